@@ -11,5 +11,6 @@ mod scene_hostile;
 mod scene_redesign;
 mod scene_reference;
 mod scene_refit;
+mod scene_segments;
 mod scene_support;
 mod scene_values;

@@ -66,7 +66,7 @@ pub struct Module {
     pub inner_radius_m: Located<f64>,
     /// Outer radius at rest, m; > inner radius.
     pub outer_radius_m: Located<f64>,
-    /// Length at rest, m; > 0.
+    /// Length at rest, m; > 0. Of a series that of its segments together.
     pub length_m: Located<f64>,
     /// Length at each end that its cap takes out of the motion, m; >= 0, less than half of the length.
     pub end_length_m: f64,
@@ -76,7 +76,9 @@ pub struct Module {
     pub stretch_max: Option<f64>,
     /// Density of the elastomer, kg/m3.
     pub density_kg_per_m3: f64,
-    /// The winding, located at its name in the module.
+    /// Segments of different winding from the base to the tip: two or more, of one actuator, or none.
+    pub segments: Vec<ModuleSegment>,
+    /// The winding, located at its name in the module; of a series that of its first segment with the module's motion.
     pub fiber: Option<Located<Fiber<f64>>>,
     /// The thread that the winding is made of, where the scene states it.
     pub thread: Option<Thread>,
@@ -92,7 +94,46 @@ pub struct Module {
     pub span: Span,
 }
 
+/// A segment of an actuator that is wound differently along its length. Wall and chamber are those of its module.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ModuleSegment {
+    /// The motion it is wound for.
+    pub motion: Located<Motion>,
+    /// Length at rest, m; > 0.
+    pub length_m: Located<f64>,
+    /// Direction it bends towards, from that of its module, rad.
+    pub bend_direction_rad: f64,
+    /// The winding, located at its name in the segment.
+    pub fiber: Option<Located<Fiber<f64>>>,
+    /// The thread that the winding is made of, where the scene states it.
+    pub thread: Option<Thread>,
+    /// The second winding, located at its name in the segment.
+    pub second_fiber: Option<Located<Fiber<f64>>>,
+    /// The thread that the second winding is made of, where the scene states it.
+    pub second_thread: Option<Thread>,
+    /// The header of its table.
+    pub span: Span,
+}
+
 impl Module {
+    /// The segments of its actuator as [`actuator`](Self::actuator), each with its second winding, from the base to the tip; none of a module
+    /// without segments. The end caps take from the first and the last.
+    pub fn segment_actuators(&self) -> Vec<WoundActuator> {
+        let last = self.segments.len().saturating_sub(1);
+        let moving = |(index, segment): (usize, &ModuleSegment)| {
+            let ends = f64::from(u8::from(index == 0)) + f64::from(u8::from(index == last));
+            let actuator = ActuatorParameters {
+                motion: *segment.motion,
+                length_m: *segment.length_m - ends * self.end_length_m,
+                fiber: segment.fiber.map(|fiber| *fiber),
+                ..self.made_actuator()
+            };
+            (actuator, segment.second_fiber.map(|fiber| *fiber))
+        };
+        self.segments.iter().enumerate().map(moving).collect()
+    }
+
     /// One of its actuators, for the model: as long as the part that moves, without a second winding. The parameters pass the model's own
     /// check.
     pub fn actuator(&self) -> ActuatorParameters<f64> {

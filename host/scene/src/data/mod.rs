@@ -11,7 +11,7 @@ mod winding;
 
 pub use corrections::Corrections;
 pub use design::{Bounds, Choice, Design, ModuleBounds};
-pub use limb::{EndEffector, Limb, Module, WoundActuator};
+pub use limb::{EndEffector, Limb, Module, ModuleSegment, WoundActuator};
 pub use motion::{
     BendingModel, Controller, Excess, Goal, InverseChoice, Limits, LinkLoss, MarginLimits, Phase, Shaping, Swing,
     Target, Weight,

@@ -11,22 +11,36 @@ const HOOP_LIKE_DEG: f64 = 5.0;
 const ROUNDING_DEG: f64 = 1e-9;
 
 impl Scene {
-    /// Refuses a module with two windings, for a room that computes with one.
+    /// Refuses a module of segments in series, for a room that takes actuators of one winding along their length.
     ///
     /// # Errors
-    /// [`SceneError`] at the name of the second winding.
+    /// [`SceneError`] at the second segment.
+    pub fn require_no_segments(&self, room: &str) -> Result<(), SceneError> {
+        let series = self.modules().iter().find_map(|module| Some((module, module.segments.get(1)?)));
+        let Some((module, second)) = series else { return Ok(()) };
+        let title = format!("`{}` has several segments, and {room} takes modules of one", &*module.name);
+        let help = "`check`, `run` and `fabricate` take segments, `eval --batch` their loads";
+        Err(self.diagnostic(second.span, &title, "the second segment", Some(help)))
+    }
+
+    /// Refuses a module with two windings or several segments, for a room that computes with one.
+    ///
+    /// # Errors
+    /// [`SceneError`] at the second segment or the name of the second winding.
     pub fn require_one_winding(&self, room: &str) -> Result<(), SceneError> {
+        self.require_no_segments(room)?;
         let wound_twice = self.modules().iter().find_map(|module| Some((module, module.second_fiber?)));
         let Some((module, second)) = wound_twice else { return Ok(()) };
         let title = format!("`{}` has two windings, and {room} takes one", &*module.name);
         Err(self.diagnostic(second.span, &title, "the second winding", None))
     }
 
-    /// Refuses a bending module with two windings, for a room that has no model of one.
+    /// Refuses a bending module with two windings and any of several segments, for a room that has no model of one.
     ///
     /// # Errors
-    /// [`SceneError`] at the name of the second winding.
+    /// [`SceneError`] at the second segment or the name of the second winding.
     pub fn require_benders_of_one_winding(&self, room: &str) -> Result<(), SceneError> {
+        self.require_no_segments(room)?;
         let mut benders = self.modules().iter().filter(|module| *module.motion == Motion::Bending);
         let wound_twice = benders.find_map(|module| Some((module, module.second_fiber?)));
         let Some((module, second)) = wound_twice else { return Ok(()) };

@@ -11,6 +11,7 @@ mod module;
 mod parts;
 mod phase;
 mod plant;
+mod segments;
 mod series;
 mod settings;
 mod supply;

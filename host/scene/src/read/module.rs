@@ -5,7 +5,8 @@ use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement
 use super::arrangement::{arrangement, steering};
 use super::design::module_bounds;
 use super::parts::{Elastomer, Parts, Winding};
-use crate::data::{Limits, Module, ModuleBounds, Thread, WoundWall};
+use super::segments::{ends_fit, segments};
+use crate::data::{Limits, Module, ModuleBounds, Thread, WoundActuator, WoundWall};
 use crate::elastomers::castable_elastomer;
 use crate::error::{Problem, quoted};
 use crate::reader::Reader;
@@ -71,15 +72,28 @@ fn draft<'a>(
     let wall = inner.zip(outer).and_then(|(inner, outer)| wall(reader, inner, outer));
     let arrangement = arrangement(reader, motion, actuators, outer);
     let steering = steering(reader, motion, actuators, arrangement);
-    let length = reader.quantity(&keys::LENGTH);
+    let material = reader.text(&keys::MATERIAL).and_then(|name| Some((name, elastomer(reader, materials, name)?)));
+    let law = material.as_ref().map(|(_, elastomer)| elastomer.law);
+    let segments = segments(reader, (motion, actuators), windings, wall, law);
+    let length = match segments.as_deref() {
+        None => None,
+        Some([]) => reader.maybe(&keys::LENGTH).and_then(|length| length.or_else(|| reader.missing("length", ""))),
+        Some(several) => Some(Located { value: several.iter().map(|one| *one.length_m).sum(), span: reader.span() }),
+    };
     let end_length = length.zip(reader.quantity(&keys::END_LENGTH)).and_then(|(length, end)| ends(reader, length, end));
     let mount_angle = reader.quantity(&keys::MOUNT_ANGLE);
     let spacers = reader.integer(&keys::SPACERS);
     let spacer_mass = reader.quantity(&keys::SPACER_MASS);
-    let material = reader.text(&keys::MATERIAL).and_then(|name| Some((name, elastomer(reader, materials, name)?)));
+    let end_length = end_length.filter(|end| ends_fit(reader, segments.as_deref().unwrap_or_default(), *end));
     let bounds = module_bounds(reader).unwrap_or_default();
-    let law = material.as_ref().map(|(_, elastomer)| elastomer.law);
-    let wound = motion.and_then(|motion| wound(reader, (motion, actuators), windings, wall, law));
+    let wound = match segments.as_deref() {
+        Some([]) => motion.and_then(|motion| wound(reader, (motion, actuators), windings, wall, law)),
+        // That of the first segment with the module's motion stands for the module.
+        several => several.zip(motion).and_then(|(several, motion)| {
+            let first = several.iter().find(|one| *one.motion == *motion)?;
+            Some([first.fiber.zip(Some(first.thread)), first.second_fiber.zip(Some(first.second_thread))])
+        }),
+    };
     let pressure_max = match reader.maybe(&keys::PRESSURE_MAX) {
         Some(None) => limits.map(|limits| limits.pressure_max_pa),
         found => found.flatten(),
@@ -100,6 +114,7 @@ fn draft<'a>(
             inner_radius_m: inner,
             outer_radius_m: outer,
             length_m: length?,
+            segments: segments?,
             end_length_m: end_length?,
             material: material_name.map(|_| material.law),
             stretch_max: material.stretch_max,
@@ -157,12 +172,12 @@ fn ends(reader: &Reader<'_>, length: Located<f64>, end: Located<f64>) -> Option<
 }
 
 /// A winding at its place in a module, and its thread where the scene states one.
-type Wound = (Located<Fiber<f64>>, Option<Thread>);
+pub(super) type Wound = (Located<Fiber<f64>>, Option<Thread>);
 
-type Wall = Option<(Located<f64>, Located<f64>)>;
+pub(super) type Wall = Option<(Located<f64>, Located<f64>)>;
 
 /// The windings a module names, at their radii in this wall; none for a bending module that names none.
-fn wound(
+pub(super) fn wound(
     reader: &Reader<'_>,
     (motion, actuators): (Located<Motion>, Option<Located<i64>>),
     windings: &Parts<'_, Winding>,
@@ -295,9 +310,14 @@ fn has_room(
 
 /// The last word is the model's own. It accepts what the checks above let through; if ever not, the module is named.
 fn model_accepts(reader: &Reader<'_>, module: &Module) -> bool {
-    let first = module.actuator();
-    let second = module.second_fiber.map(|fiber| ActuatorParameters { fiber: Some(*fiber), ..first });
-    let verdict = [Some(first), second].into_iter().flatten().try_for_each(|one| one.check());
+    let mut all = module.segment_actuators();
+    all.push(module.wound_actuator());
+    let second =
+        |(first, fiber): &WoundActuator| fiber.map(|fiber| ActuatorParameters { fiber: Some(fiber), ..*first });
+    let verdict = all.iter().try_for_each(|one| {
+        one.0.check()?;
+        second(one).map_or(Ok(()), |second| second.check())
+    });
     if let Err(error) = verdict {
         reader.log().note::<()>(Problem::at(reader.span(), error.to_string(), "in this module"));
     }

@@ -10,7 +10,9 @@ mod units;
 
 pub(super) use choice::{bounds, design};
 pub(super) use motion::{controller, limits, phase, swing, target, weight};
-pub(super) use parts::{DENSITY_KG_PER_M3, connector, end_effector, limb, material, module, scene, thread, winding};
+pub(super) use parts::{
+    DENSITY_KG_PER_M3, connector, end_effector, limb, material, module, scene, segment, thread, winding,
+};
 pub(super) use pneumatics::{ambient, chamber, line, plant, sensor, spread, supply, truth, valve};
 pub(super) use sweep::{parameter, study};
 pub(super) use task::{corrections, markers, object, obstacle, region};
@@ -163,7 +165,7 @@ macro_rules! section {
 use section;
 
 /// All sections in the order of the reference page.
-pub(super) const SECTIONS: [Section; 30] = [
+pub(super) const SECTIONS: [Section; 31] = [
     scene::SECTION,
     material::SECTION,
     winding::SECTION,
@@ -172,6 +174,7 @@ pub(super) const SECTIONS: [Section; 30] = [
     connector::SECTION,
     end_effector::SECTION,
     module::SECTION,
+    segment::SECTION,
     bounds::SECTION,
     phase::SECTION,
     target::SECTION,

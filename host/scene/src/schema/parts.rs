@@ -102,10 +102,20 @@ section! {
     SPACER_MASS: Quantity { name: "spacer_mass", unit: Unit::KG, min: 0.0, max: 5.0, presence: Default(0.0) } = "Mass of one of its spacers; counted as spread along the module.";
     INNER_RADIUS: Quantity { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Required } = "Inner radius at rest.";
     OUTER_RADIUS: Quantity { name: "outer_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Required } = "Outer radius at rest, above `inner_radius`.";
-    LENGTH: Quantity { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Required } = "Length at rest.";
+    LENGTH: Quantity { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Optional("required without `segments`") } = "Length at rest.";
     END_LENGTH: Quantity { name: "end_length", unit: Unit::MM, min: 0.0, max: 500.0, presence: Default(0.0) } = "Length at each end that the cap takes out of the motion, less than half of `length`; `softlimb fea calibrate` prints it. The rest moves.";
     MATERIAL: Text { name: "material", is_name: false, presence: Required } = "A name from `[materials]`, or the trade name of an elastomer that `softlimb materials` lists.";
-    WINDING: Text { name: "winding", is_name: true, presence: Optional("hoop winding at the outer radius for `bending`, else required") } = "A name from `[windings]`, or an array of two names: the actuators are then wound twice, as with a helix and an axial thread. `twisting` needs a winding of one family. A bending actuator with two windings is solved by finite elements and twists, too, where a helix of one family is among them.";
+    WINDING: Text { name: "winding", is_name: true, presence: Optional("hoop winding at the outer radius for `bending`; none with `segments`; else required") } = "A name from `[windings]`, or an array of two names: the actuators are then wound twice, as with a helix and an axial thread. `twisting` needs a winding of one family. A bending actuator with two windings is solved by finite elements and twists, too, where a helix of one family is among them.";
+    SEGMENTS: Nested { name: "segments", shape: "tables `[[module.segments]]`, 2 to 8", presence: Optional("one segment") } = "Segments of different winding along its one actuator, from the base to the tip, in place of `length` and `winding`. They share one chamber. `motion` is that of a segment; the setpoint is the total over all: bend angle, twist, or stretch of the whole length. Not for `expansion`, nor for a limb with `[weight]`.";
     PRESSURE_MAX: Quantity { name: "pressure_max", unit: Unit::KPA, min: 1.0, max: 600.0, presence: Optional("`pressure_max` of `[limits]`") } = "Largest gauge pressure in its chambers.";
     BOUNDS: Nested { name: "bounds", shape: "table `[module.bounds]`", presence: Optional("those of `[design]`") } = "Bounds of this module, where they differ from `[design]`.";
+}
+
+section! {
+    /// A segment of an actuator that is wound differently along its length. Radii, material and pressure are those of the module.
+    segment, "[[module.segments]]";
+    MOTION: Choice { name: "motion", words: &["extension", "expansion", "bending", "twisting"], presence: Required } = "The motion the segment is wound for.";
+    LENGTH: Quantity { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Required } = "Length at rest.";
+    WINDING: Text { name: "winding", is_name: true, presence: Optional("hoop winding at the outer radius for `bending`, else required") } = "As `winding` of `[[module]]`.";
+    BEND_DIRECTION: Quantity { name: "bend_direction", unit: Unit::DEG, min: -360.0, max: 360.0, presence: Default(0.0) } = "Direction a bending segment bends towards, from that of the module, on the actuator at rest; the twist of the segments before it turns it.";
 }

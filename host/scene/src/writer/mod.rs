@@ -26,6 +26,9 @@ pub enum RewriteError {
         /// Modules of the scene.
         modules: usize,
     },
+    /// A module of several segments, whose sizes are not written.
+    #[error(transparent)]
+    Segments(SceneError),
     /// A parameter that a scene has no key for, or that is written in a way that is not touched.
     #[error("cannot write the {what} of module `{module}` into this scene: change it by hand")]
     NotWritten {

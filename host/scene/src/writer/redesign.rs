@@ -46,6 +46,7 @@ pub fn redesigned(
     modules: &[Redesign],
     targets: Option<&[Vec<RedesignedTarget>]>,
 ) -> Result<String, RewriteError> {
+    scene.require_no_segments("a rewritten scene").map_err(RewriteError::Segments)?;
     let unwritten = |index: usize, what| RewriteError::NotWritten { module: modules[index].name.clone(), what };
     let mut draft = Draft::new(scene).ok_or_else(|| unwritten(0, "text"))?;
     freeze(&mut draft, scene, Threads::Go).ok_or_else(|| unwritten(0, "thread"))?;

@@ -29,6 +29,7 @@ type Change = (&'static str, &'static str, Value);
 /// # Errors
 /// [`RewriteError`]. The text that is returned has been read again and says what was asked, to eight digits.
 pub fn rewritten(scene: &Scene, wanted: &[WoundActuator]) -> Result<(String, Vec<String>), RewriteError> {
+    scene.require_no_segments("a rewritten scene").map_err(RewriteError::Segments)?;
     let modules = scene.modules();
     if wanted.len() != modules.len() {
         return Err(RewriteError::Modules { found: wanted.len(), modules: modules.len() });
