@@ -127,6 +127,40 @@ pub struct State<T> {
     pub compliance_m3_per_pa: T,
 }
 
+impl<T: Real> State<T> {
+    /// The state of segments in series, each with its length at rest, m: deformations and volumes add up, the radii are the largest. `None` without
+    /// a segment. The pressure is that of the first.
+    pub fn in_series(segments: impl IntoIterator<Item = (T, Self)>) -> Option<Self> {
+        let mut segments = segments.into_iter();
+        let weighted = |(length_m, state): (T, Self)| {
+            let own = |strain: T| length_m * strain;
+            (length_m, Self { axial_strain: own(state.axial_strain), volume_strain: own(state.volume_strain), ..state })
+        };
+        let first = weighted(segments.next()?);
+        let (length_m, sum) = segments.map(weighted).fold(first, |(length_m, sum), (more_m, state)| {
+            let all = Self {
+                axial_strain: sum.axial_strain + state.axial_strain,
+                inner_radius_m: sum.inner_radius_m.max(state.inner_radius_m),
+                outer_radius_m: sum.outer_radius_m.max(state.outer_radius_m),
+                twist_rad: sum.twist_rad + state.twist_rad,
+                bend_angle_rad: sum.bend_angle_rad + state.bend_angle_rad,
+                volume_m3: sum.volume_m3 + state.volume_m3,
+                volume_strain: sum.volume_strain + state.volume_strain,
+                compliance_m3_per_pa: sum.compliance_m3_per_pa + state.compliance_m3_per_pa,
+                ..sum
+            };
+            (length_m + more_m, all)
+        });
+        let axial_strain = sum.axial_strain / length_m;
+        Some(Self {
+            axial_stretch: T::one() + axial_strain,
+            axial_strain,
+            volume_strain: sum.volume_strain / length_m,
+            ..sum
+        })
+    }
+}
+
 impl<T: Copy> State<T> {
     /// Combines states field by field: interpolation, means, conversions.
     pub fn combine<const N: usize, U>(states: [&Self; N], mut f: impl FnMut([T; N]) -> U) -> State<U> {

@@ -5,7 +5,7 @@ use fra_model::{Actuator, Load, State, Status};
 use crate::curve::{Node, VolumeCurve};
 use crate::error::PlantError;
 use crate::settings::{ActuatorLaw, ChannelSettings};
-use crate::spread::TrueParameters;
+use crate::spread::{TrueParameters, TrueSegment};
 
 /// Intervals of the table between zero and the highest pressure.
 const INTERVALS: usize = 128;
@@ -14,10 +14,12 @@ const INTERVALS: usize = 128;
 /// to the end of its branch.
 #[derive(Clone, Debug)]
 pub(crate) struct TrueActuator {
-    /// `None` where a law has given the states.
+    /// `None` where a law has given the states, and of a series.
     model: Option<Actuator<f64>>,
     load: Load<f64>,
     states: Vec<State<f64>>,
+    /// The states of the segments, where it is a series of them.
+    segments: Vec<Vec<State<f64>>>,
     width_pa: f64,
 }
 
@@ -31,31 +33,22 @@ impl TrueActuator {
         nominal: &ChannelSettings,
         true_parameters: &TrueParameters,
     ) -> Result<Self, PlantError> {
-        let refuse = |source| PlantError::Actuator { channel, source };
         let load = nominal.load;
         let width_pa = nominal.pressure_max_pa / INTERVALS as f64;
-        if let Some(ActuatorLaw(law)) = nominal.law {
-            let pressures_pa: Vec<f64> = (0..=INTERVALS).map(|node| node as f64 * width_pa).collect();
-            let states = law(&true_parameters.actuator, true_parameters.second_fiber.as_ref(), &pressures_pa)
-                .filter(|states| !states.is_empty());
-            let states = states.ok_or(PlantError::NoEquilibrium { channel, pressure_pa: 0.0 })?;
-            return Ok(Self { model: None, load, states, width_pa });
+        let solve = |made: &TrueSegment, law: Option<ActuatorLaw>| branch(channel, made, law, &load, width_pa);
+        if nominal.segments.is_empty() {
+            let (model, states) = solve(&true_parameters.whole(), nominal.law)?;
+            return Ok(Self { model, load, states, segments: Vec::new(), width_pa });
         }
-        let model = true_parameters.model().map_err(refuse)?;
-        let mut states = Vec::with_capacity(INTERVALS + 1);
-        let mut solution = model.forward(0.0, &load).map_err(refuse)?;
-        while solution.status == Status::Solved {
-            states.push(solution.state);
-            if states.len() > INTERVALS {
-                break;
-            }
-            let pressure_pa = states.len() as f64 * width_pa;
-            solution = model.forward_from(&solution.state, pressure_pa, &load).map_err(refuse)?;
-        }
-        if states.is_empty() {
-            return Err(PlantError::NoEquilibrium { channel, pressure_pa: 0.0 });
-        }
-        Ok(Self { model: Some(model), load, states, width_pa })
+        let made = true_parameters.segments.iter().zip(&nominal.segments);
+        let segments = made.map(|(made, nominal)| solve(made, nominal.law).map(|(_, states)| states));
+        let segments = segments.collect::<Result<Vec<_>, _>>()?;
+        // The series ends with the first of its branches.
+        let count = segments.iter().map(Vec::len).min().unwrap_or_default();
+        let lengths_m = || true_parameters.segments.iter().map(|segment| segment.actuator.length_m);
+        let at = |node: usize| State::in_series(lengths_m().zip(segments.iter().map(|states| states[node])));
+        let states = (0..count).filter_map(at).collect();
+        Ok(Self { model: None, load, states, segments, width_pa })
     }
 
     /// Gas volume over gauge pressure: the model's volume times `scale` plus `dead_volume_m3`.
@@ -75,7 +68,7 @@ impl TrueActuator {
         let s = pressure_pa.max(0.0) / self.width_pa;
         let last = self.states.len() - 1;
         if s <= last as f64 {
-            return (self.interpolate(s), true);
+            return (interpolate(&self.states, s), true);
         }
         let end = self.states[last];
         match self.model.map(|model| model.forward_from(&end, pressure_pa, &self.load)) {
@@ -84,17 +77,55 @@ impl TrueActuator {
         }
     }
 
-    /// The cubic through the four states around the place `s`, in units of the width.
-    fn interpolate(&self, s: f64) -> State<f64> {
-        let count = self.states.len();
-        if count < 4 {
-            return self.states[(s.round() as usize).min(count - 1)];
-        }
-        let first = (s as usize).saturating_sub(1).min(count - 4);
-        let around: [&State<f64>; 4] = std::array::from_fn(|node| &self.states[first + node]);
-        let weights = lagrange(s - first as f64);
-        State::combine(around, |values| values.into_iter().zip(weights).map(|(value, weight)| weight * value).sum())
+    /// The equilibria of the segments at a gauge pressure, Pa, as in [`shape`](Self::shape); none where it is no series.
+    pub(crate) fn segment_shapes(&self, pressure_pa: f64) -> impl Iterator<Item = State<f64>> {
+        let last = self.states.len() - 1;
+        let s = (pressure_pa.max(0.0) / self.width_pa).min(last as f64);
+        self.segments.iter().map(move |states| interpolate(&states[..=last], s))
     }
+}
+
+/// The equilibria of an actuator or of a segment, and its model where no law has given them.
+fn branch(
+    channel: usize,
+    made: &TrueSegment,
+    law: Option<ActuatorLaw>,
+    load: &Load<f64>,
+    width_pa: f64,
+) -> Result<(Option<Actuator<f64>>, Vec<State<f64>>), PlantError> {
+    let refuse = |source| PlantError::Actuator { channel, source };
+    if let Some(ActuatorLaw(law)) = law {
+        let pressures_pa: Vec<f64> = (0..=INTERVALS).map(|node| node as f64 * width_pa).collect();
+        let states = law(&made.actuator, made.second_fiber.as_ref(), &pressures_pa).filter(|states| !states.is_empty());
+        return Ok((None, states.ok_or(PlantError::NoEquilibrium { channel, pressure_pa: 0.0 })?));
+    }
+    let model = made.model().map_err(refuse)?;
+    let mut states = Vec::with_capacity(INTERVALS + 1);
+    let mut solution = model.forward(0.0, load).map_err(refuse)?;
+    while solution.status == Status::Solved {
+        states.push(solution.state);
+        if states.len() > INTERVALS {
+            break;
+        }
+        let pressure_pa = states.len() as f64 * width_pa;
+        solution = model.forward_from(&solution.state, pressure_pa, load).map_err(refuse)?;
+    }
+    if states.is_empty() {
+        return Err(PlantError::NoEquilibrium { channel, pressure_pa: 0.0 });
+    }
+    Ok((Some(model), states))
+}
+
+/// The cubic through the four states around the place `s`, in units of the width.
+fn interpolate(states: &[State<f64>], s: f64) -> State<f64> {
+    let count = states.len();
+    if count < 4 {
+        return states[(s.round() as usize).min(count - 1)];
+    }
+    let first = (s as usize).saturating_sub(1).min(count - 4);
+    let around: [&State<f64>; 4] = std::array::from_fn(|node| &states[first + node]);
+    let weights = lagrange(s - first as f64);
+    State::combine(around, |values| values.into_iter().zip(weights).map(|(value, weight)| weight * value).sum())
 }
 
 /// Weights of the nodes 0, 1, 2, 3 at the place `t`.

@@ -1,5 +1,7 @@
 //! One channel over one tick: valves, gas, sensor, creep.
 
+use fra_model::State;
+
 use crate::actuator::TrueActuator;
 use crate::curve::VolumeCurve;
 use crate::error::PlantError;
@@ -183,8 +185,10 @@ impl Channel {
         let ambient = self.piping.ambient_abs_pa;
         let pressure_pa = then.gas.chamber_abs_pa - ambient;
         let crept = self.piping.volume.at(pressure_pa).0 + then.creep_m3;
-        let (mut shape, within_branch) = self.actuator.shape(self.piping.volume.pressure_of(crept));
+        let deforming_pa = self.piping.volume.pressure_of(crept);
+        let (mut shape, within_branch) = self.actuator.shape(deforming_pa);
         shape.pressure_pa = pressure_pa;
+        let segments = self.actuator.segment_shapes(deforming_pa);
         ChannelTruth {
             pressure_pa,
             line_pressure_pa: then.gas.line_abs_pa - ambient,
@@ -192,8 +196,9 @@ impl Channel {
             fill_open: then.open.fill,
             vent_open: then.open.vent,
             shape,
+            segments: segments.map(|segment| State { pressure_pa, ..segment }).collect(),
             within_branch,
-            parameters: self.parameters,
+            parameters: self.parameters.clone(),
         }
     }
 

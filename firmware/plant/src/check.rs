@@ -32,6 +32,7 @@ pub(crate) fn check(settings: &PlantSettings) -> Checked {
         check_channel(&format!("channels[{index}]"), channel)?;
         let refuse = |source| PlantError::Actuator { channel: index, source };
         channel.actuator.check().map_err(refuse)?;
+        channel.segments.iter().try_for_each(|segment| segment.actuator.check()).map_err(refuse)?;
     }
     Ok(())
 }

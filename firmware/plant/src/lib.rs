@@ -54,8 +54,8 @@ pub use fault::PartFault;
 pub use gas::REFERENCE_DENSITY_KG_PER_M3;
 pub use plant::{ChannelDrive, Drive, Plant, TICK_US};
 pub use settings::{
-    ActuatorLaw, ChannelSettings, Equilibria, MotionSettings, PlantSettings, PumpSettings, SensorSettings, Spread,
-    Supply, TubeSettings, ValveSettings,
+    ActuatorLaw, ChannelSettings, Equilibria, MotionSettings, PlantSettings, PumpSettings, SegmentSettings,
+    SensorSettings, Spread, Supply, TubeSettings, ValveSettings,
 };
-pub use spread::TrueParameters;
+pub use spread::{TrueParameters, TrueSegment};
 pub use truth::{ChannelTruth, Snapshot, Truth};

@@ -104,8 +104,19 @@ impl PartialEq for ActuatorLaw {
     }
 }
 
-/// One channel: a fill and a vent valve, a tube, an actuator, a pressure sensor at the manifold.
+/// A segment of an actuator that is wound differently along its length.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentSettings {
+    /// The nominal segment; the true one differs by [`Spread`], as all of its actuator do.
+    pub actuator: ActuatorParameters<f64>,
+    /// A winding beside that of the segment.
+    pub second_fiber: Option<Fiber<f64>>,
+    /// Equilibria of the true segment where [`fra_model`] does not solve it; without load.
+    pub law: Option<ActuatorLaw>,
+}
+
+/// One channel: a fill and a vent valve, a tube, an actuator, a pressure sensor at the manifold.
+#[derive(Clone, Debug, PartialEq)]
 pub struct ChannelSettings {
     /// The nominal actuator; the true one differs by [`Spread`].
     pub actuator: ActuatorParameters<f64>,
@@ -113,6 +124,8 @@ pub struct ChannelSettings {
     pub second_fiber: Option<Fiber<f64>>,
     /// Equilibria of the true actuator where [`fra_model`] does not solve it; without load.
     pub law: Option<ActuatorLaw>,
+    /// Segments of the actuator from the base to the tip, where it is a series of them: their equilibria stand in place of its own.
+    pub segments: Vec<SegmentSettings>,
     /// Constant load on the actuator's end.
     pub load: Load<f64>,
     /// Gauge pressure up to which volume and shape are tabulated, Pa; 1e3..=1e6.
@@ -144,6 +157,7 @@ impl ChannelSettings {
             actuator,
             second_fiber: None,
             law: None,
+            segments: Vec::new(),
             load: Load::none(),
             pressure_max_pa: 200e3,
             dead_volume_m3: 1.0e-6,

@@ -21,7 +21,7 @@ pub struct Truth {
 }
 
 /// The true state of one channel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ChannelTruth {
     /// Gauge pressure in the actuator, Pa.
     pub pressure_pa: f64,
@@ -35,6 +35,8 @@ pub struct ChannelTruth {
     pub vent_open: bool,
     /// Shape of the true actuator, creep included; its pressure is [`pressure_pa`](Self::pressure_pa).
     pub shape: State<f64>,
+    /// Shapes of its segments, where it is a series of them.
+    pub segments: Vec<State<f64>>,
     /// False where the actuator has no equilibrium at this pressure: the shape is the last one
     /// on its branch, and the volume goes on along its last slope.
     pub within_branch: bool,

@@ -254,7 +254,7 @@ proptest! {
     #[test]
     fn spread_is_truncated_and_never_nominal(seed: u64) {
         let s = settings(seed, 1);
-        let p = Plant::new(&s).unwrap().truth().channels[0].parameters;
+        let p = Plant::new(&s).unwrap().truth().channels.remove(0).parameters;
         let nominal = &s.channels[0];
         let within = |value: f64, nominal: f64, deviation: f64| {
             let relative = (value / nominal - 1.0).abs();

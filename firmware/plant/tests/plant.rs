@@ -2,6 +2,7 @@
 
 #[allow(unreachable_pub, reason = "shared by several test binaries")]
 use crate::common::*;
+use fra_model::{Actuator, ActuatorParameters, Load, Motion, Series};
 use softlimb_plant::*;
 
 fn nominal(seed: u64) -> PlantSettings {
@@ -35,7 +36,8 @@ fn same_seed_and_drive_give_the_same_bits() {
 fn another_noise_seed_is_another_run_of_the_same_parts() {
     let plant = |noise_seed| Plant::new(&PlantSettings { noise_seed, ..nominal(7) }).expect("good settings");
     let (mut one, mut other, mut again) = (plant(7), plant(8), Plant::new(&nominal(7)).expect("good settings"));
-    let parts = |plant: &Plant| plant.truth().channels.iter().map(|channel| channel.parameters).collect::<Vec<_>>();
+    let parts =
+        |plant: &Plant| plant.truth().channels.iter().map(|channel| channel.parameters.clone()).collect::<Vec<_>>();
     assert_eq!(parts(&one), parts(&other));
     let mut differs = false;
     for _ in 0..50 {
@@ -65,7 +67,7 @@ fn asking_for_the_truth_changes_nothing() {
 fn one_channel_more_leaves_the_parameters_of_the_others() {
     let parameters = |n| {
         let truth = Plant::new(&settings(3, n)).unwrap().truth();
-        truth.channels.iter().map(|c| c.parameters).collect::<Vec<_>>()
+        truth.channels.iter().map(|c| c.parameters.clone()).collect::<Vec<_>>()
     };
     let (two, three) = (parameters(2), parameters(3));
     assert_eq!(two[..], three[..2]);
@@ -130,7 +132,7 @@ fn valves_open_and_close_after_their_delays() {
 fn the_sensor_sits_on_the_line_and_reads_it_by_its_transfer() {
     let mut plant = Plant::new(&nominal(1)).unwrap();
     run(&mut plant, 150, FILL);
-    let filling = plant.truth().channels[0];
+    let filling = plant.truth().channels.remove(0);
     assert!(filling.line_pressure_pa > filling.pressure_pa + 10e3);
     run(&mut plant, 1_000, HOLD);
     let line = plant.truth().channels[0].line_pressure_pa;
@@ -153,7 +155,7 @@ fn shape_is_the_models_at_the_true_pressure_plus_creep() {
     run(&mut creeping, 200, FILL);
     run(&mut creeping, 6_000, HOLD);
 
-    let truth = plain.truth().channels[0];
+    let truth = plain.truth().channels.remove(0);
     let model = fra_model::Actuator::new(&extender()).unwrap();
     let expected = model.forward(truth.pressure_pa, &fra_model::Load::none());
     let expected = expected.unwrap().state;
@@ -161,7 +163,7 @@ fn shape_is_the_models_at_the_true_pressure_plus_creep() {
     assert!((truth.shape.volume_m3 / expected.volume_m3 - 1.0).abs() < 1e-6);
 
     // After twelve time constants the volume gained is 10 % more; the pressure is the same.
-    let slow = creeping.truth().channels[0];
+    let slow = creeping.truth().channels.remove(0);
     assert_eq!(slow.pressure_pa, truth.pressure_pa);
     let rest = model.rest().volume_m3;
     let gained = (slow.shape.volume_m3 - rest) / (truth.shape.volume_m3 - rest);
@@ -175,9 +177,45 @@ fn bending_actuators_bend() {
     s.channels[0] = ChannelSettings::new(bender());
     let mut plant = Plant::new(&s).unwrap();
     run(&mut plant, 30, FILL);
-    let truth = plant.truth().channels[0];
+    let truth = plant.truth().channels.remove(0);
     assert!(truth.pressure_pa > 20e3 && truth.within_branch);
     assert!(truth.shape.bend_angle_rad > 0.3);
+}
+
+#[test]
+fn segments_in_series_share_the_pressure_and_add_up() {
+    let mut s = nominal(1);
+    let straight = extender();
+    let wall = ActuatorParameters { motion: Motion::Bending, fiber: None, length_m: 0.1, ..straight };
+    let whole = ActuatorParameters { length_m: straight.length_m + wall.length_m, ..wall };
+    let segment = |actuator| SegmentSettings { actuator, second_fiber: None, law: None };
+    let segments = vec![segment(straight), segment(wall)];
+    s.channels[0] = ChannelSettings { segments, creep_share: 0.0, ..ChannelSettings::new(whole) };
+    let mut plant = Plant::new(&s).unwrap();
+    run(&mut plant, 30, FILL);
+    let truth = plant.truth().channels.remove(0);
+    assert!(truth.pressure_pa > 20e3 && truth.within_branch);
+    let each = [straight, wall].map(|parameters| Actuator::new(&parameters).unwrap());
+    let expected = Series::new(&each).unwrap().forward(truth.pressure_pa, &Load::none()).unwrap().state;
+    assert!((truth.shape.axial_stretch * whole.length_m - expected.length_m).abs() < 1e-7);
+    assert!((truth.shape.bend_angle_rad - expected.bend_angle_rad).abs() < 1e-6);
+    assert!((truth.shape.volume_m3 / expected.volume_m3 - 1.0).abs() < 1e-6);
+    let [first, second] = truth.segments[..] else { panic!("{truth:?}") };
+    let own = each.map(|actuator| actuator.forward(truth.pressure_pa, &Load::none()).unwrap().state);
+    assert!((first.axial_stretch - own[0].axial_stretch).abs() < 1e-6 && first.bend_angle_rad == 0.0);
+    assert!((second.bend_angle_rad - own[1].bend_angle_rad).abs() < 1e-6);
+    assert_eq!((first.pressure_pa, second.pressure_pa), (truth.pressure_pa, truth.pressure_pa));
+}
+
+/// A stiffer wall and another angle are those of the whole actuator.
+#[test]
+fn segments_of_an_actuator_have_the_same_errors() {
+    let mut s = settings(3, 1);
+    let segment = SegmentSettings { actuator: extender(), second_fiber: None, law: None };
+    s.channels[0] = ChannelSettings { segments: vec![segment; 2], ..ChannelSettings::new(extender()) };
+    let made = Plant::new(&s).unwrap().truth().channels.remove(0).parameters;
+    assert_ne!(made.actuator, extender());
+    assert!(made.segments.iter().all(|segment| segment.actuator == made.actuator));
 }
 
 #[test]
