@@ -85,6 +85,9 @@ impl TrueActuator {
     }
 }
 
+/// A model, where there is one, and its equilibria.
+type Branch = (Option<Actuator<f64>>, Vec<State<f64>>);
+
 /// The equilibria of an actuator or of a segment, and its model where no law has given them.
 fn branch(
     channel: usize,
@@ -92,7 +95,7 @@ fn branch(
     law: Option<ActuatorLaw>,
     load: &Load<f64>,
     width_pa: f64,
-) -> Result<(Option<Actuator<f64>>, Vec<State<f64>>), PlantError> {
+) -> Result<Branch, PlantError> {
     let refuse = |source| PlantError::Actuator { channel, source };
     if let Some(ActuatorLaw(law)) = law {
         let pressures_pa: Vec<f64> = (0..=INTERVALS).map(|node| node as f64 * width_pa).collect();

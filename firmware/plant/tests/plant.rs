@@ -192,7 +192,7 @@ fn segments_in_series_share_the_pressure_and_add_up() {
     let segments = vec![segment(straight), segment(wall)];
     s.channels[0] = ChannelSettings { segments, creep_share: 0.0, ..ChannelSettings::new(whole) };
     let mut plant = Plant::new(&s).unwrap();
-    run(&mut plant, 30, FILL);
+    run(&mut plant, 150, FILL);
     let truth = plant.truth().channels.remove(0);
     assert!(truth.pressure_pa > 20e3 && truth.within_branch);
     let each = [straight, wall].map(|parameters| Actuator::new(&parameters).unwrap());

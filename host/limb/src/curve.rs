@@ -64,6 +64,11 @@ impl StateCurve {
         Self { states, ..*self }
     }
 
+    /// The same curve with another limit point, gauge Pa.
+    pub(crate) fn with_limit_point(self, limit_point_pa: Option<f64>) -> Self {
+        Self { limit_point_pa, ..self }
+    }
+
     /// The pressure between two nodes, Pa.
     pub(crate) fn step_pa(&self) -> f64 {
         self.step_pa

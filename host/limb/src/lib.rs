@@ -9,18 +9,22 @@
 pub mod arc;
 pub mod batch;
 mod bend;
+mod chain;
 mod curve;
 pub mod fabricate;
 mod limb;
 pub mod payload;
 mod restraint;
+mod series;
 pub mod statics;
 mod stretch;
 pub mod tolerance;
 pub mod workspace;
 
 pub use bend::Bend;
+pub use chain::Chain;
 pub use curve::StateCurve;
 pub use limb::{Drive, Limb, LimbModule, base_pose, bending_law, reference_max_pa};
 pub use restraint::TWIST_SHARE_MIN;
+pub use series::LimbSegment;
 pub use stretch::largest_stretch;

@@ -7,10 +7,11 @@ use fra_model::{
     Actuator, ActuatorParameters, Arrangement, Fiber, InvalidParameter, Link, Motion, Segment, State, StateQuantity,
     Target,
 };
-use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::bend::out_of_plane;
-use super::{Bend, StateCurve};
+use super::{Bend, LimbSegment, StateCurve, chain};
+use crate::series::{bend_of, series};
 use crate::statics::{Spring, check_bundles};
 use softlimb_fea::cross_section::{BEND_TOLERANCE, BendingLaw, analytic_bend_error, is_wound_bender};
 use softlimb_scene::collision::Body;
@@ -20,8 +21,6 @@ use softlimb_scene::{BendingModel, Located, Module, Scene, SceneError, TrueLimb}
 const ROUNDING: f64 = 2e-6;
 /// The pressure that laws of benders are found up to, as a multiple of the module's limit: room for overshoot, and for bends beyond the free ones.
 const LAW_RATIO: f64 = 1.3;
-/// Points per module on the drawn centre line.
-const BACKBONE_POINTS: usize = 12;
 
 /// One module: a bundle of equal actuators and the rigid part behind it.
 #[derive(Clone, Debug)]
@@ -48,6 +47,7 @@ pub struct LimbModule {
     /// Of actuators whose curve is by finite elements of the section, from their first load on; `None` where the section has none.
     law: OnceLock<Option<Arc<BendingLaw>>>,
     second_fiber: Option<Fiber<f64>>,
+    pub(crate) segments: Vec<LimbSegment>,
     length_m: f64,
     /// Stretches between plates.
     bays: usize,
@@ -132,11 +132,14 @@ impl LimbModule {
 
     /// Whether its curve is the model, beside which no solver has the states.
     pub fn is_by_curve(&self) -> bool {
-        self.is_restrained() || self.is_by_section()
+        self.is_restrained() || self.is_by_section() || self.is_series()
     }
 
-    /// One of its actuators as a spring at a gauge pressure, Pa, by the model of its curve; `None` where that has no equilibrium.
+    /// One of its actuators as a spring at a gauge pressure, Pa, by the model of its curve; `None` where that has no equilibrium, and of a series.
     pub fn spring(&self, pressure_pa: f64) -> Option<Spring> {
+        if self.is_series() {
+            return None;
+        }
         if !self.is_by_section() {
             return Spring::new(&self.actuator, pressure_pa);
         }
@@ -149,7 +152,7 @@ impl LimbModule {
     /// The law of a bender whose curve is by finite elements of the section; `None` for another actuator, or where the section has none.
     pub(crate) fn law(&self) -> Option<&Arc<BendingLaw>> {
         let found = || bending_law(self.actuator.parameters(), self.second_fiber.as_ref(), self.pressure_max_pa);
-        self.is_by_section().then(|| self.law.get_or_init(found).as_ref())?
+        (self.is_by_section() && !self.is_series()).then(|| self.law.get_or_init(found).as_ref())?
     }
 
     /// Setpoint values at rest and at the highest reachable pressure.
@@ -261,12 +264,22 @@ impl LimbModule {
         if self.steering { self.channels.len() } else { 1 }
     }
 
-    /// The module's link and its radius about its centre line, m, in the next of the limb's states, one a drive. `None` where there are not
-    /// enough.
-    fn formed<'a>(&self, states: &mut impl Iterator<Item = &'a State<f64>>) -> Option<(Link<f64>, f64)> {
+    /// The module's link and its radius about its centre line, m, in the next of the limb's states, one a drive; of a series its links. `None`
+    /// where there are not enough. `segments` are the states of its segments where they are not those of its model.
+    fn formed<'a>(
+        &self,
+        states: &mut impl Iterator<Item = &'a State<f64>>,
+        segments: Option<&Vec<State<f64>>>,
+    ) -> Option<Formed> {
         let first = states.next()?;
+        if self.is_series() {
+            let made = segments.filter(|states| !states.is_empty());
+            let own = || self.segment_links(self.segment_states(first));
+            return Some((None, made.map_or_else(own, |states| self.segment_links(states.iter().copied()))));
+        }
+        let one = |link, radius_m| Some((Some((link, radius_m)), Vec::new()));
         if !self.steering {
-            return Some((self.link(first), self.radius_m(first)));
+            return one(self.link(first), self.radius_m(first));
         }
         let own: Vec<&State<f64>> = std::iter::once(first).chain(states.take(self.drives() - 1)).collect();
         let stretches: Vec<f64> = own.iter().map(|state| state.axial_stretch).collect();
@@ -274,20 +287,32 @@ impl LimbModule {
         // A scene has three or more on a circle.
         let (segment, towards_rad) = Segment::of_stretches(self.length_m, self.reach_m(), &stretches)?;
         let mount_angle_rad = self.mount_angle_rad + towards_rad;
-        Some((Link { segment, mount_angle_rad, rigid_length_m: self.rigid_length_m }, radius_m))
+        one(Link { segment, mount_angle_rad, rigid_length_m: self.rigid_length_m }, radius_m)
     }
 
     /// The module's link in a state that all its actuators have.
+    ///
+    /// # Panics
+    /// Of a series, which has several ([`links`](Self::links)).
     pub fn link(&self, state: &State<f64>) -> Link<f64> {
-        let [bend_angle_rad, twist_rad] = match self.motion {
-            Motion::Extension | Motion::Expansion => [0.0; 2],
-            // Only two different windings twist a bending actuator.
-            Motion::Bending => [state.bend_angle_rad, state.twist_rad],
-            Motion::Twisting => [0.0, state.twist_rad],
-        };
-        let segment = Segment { length_m: self.length_m * state.axial_stretch, bend_angle_rad, twist_rad };
+        assert!(!self.is_series(), "a series has a link for each segment");
+        let segment = segment_of(self.motion, self.length_m, state);
         Link { segment, mount_angle_rad: self.mount_angle_rad, rigid_length_m: self.rigid_length_m }
     }
+}
+
+/// A link with its radius about the centre line, m; or those of a series.
+type Formed = (Option<(Link<f64>, f64)>, Vec<(Link<f64>, f64)>);
+
+/// The centre line of an actuator in a state; in the derivative of a state, its derivative.
+pub(crate) fn segment_of(motion: Motion, length_m: f64, state: &State<f64>) -> Segment<f64> {
+    let [bend_angle_rad, twist_rad] = match motion {
+        Motion::Extension | Motion::Expansion => [0.0; 2],
+        // Only two different windings twist a bending actuator.
+        Motion::Bending => [state.bend_angle_rad, state.twist_rad],
+        Motion::Twisting => [0.0, state.twist_rad],
+    };
+    Segment { length_m: length_m * state.axial_stretch, bend_angle_rad, twist_rad }
 }
 
 impl Limb {
@@ -355,15 +380,26 @@ impl Limb {
         drives.flat_map(|(drive, value)| std::iter::repeat_n(value.clone(), drive.channels.len())).collect()
     }
 
-    /// Each module with its link and radius, m, in states, one a drive.
+    /// Each module with its link and radius, m, in states, one a drive; a series with each of its links.
     pub(crate) fn links<'a>(
         &self,
         states: impl IntoIterator<Item = &'a State<f64>>,
     ) -> impl Iterator<Item = (&LimbModule, Link<f64>, f64)> {
+        self.links_made(states, &[])
+    }
+
+    /// The same with the states of the segments of each module, where they are not those of its model.
+    pub(crate) fn links_made<'a>(
+        &self,
+        states: impl IntoIterator<Item = &'a State<f64>>,
+        segments: &[Vec<State<f64>>],
+    ) -> impl Iterator<Item = (&LimbModule, Link<f64>, f64)> {
         let mut states = states.into_iter();
-        self.modules.iter().map_while(move |module| {
-            let (link, radius_m) = module.formed(&mut states)?;
-            Some((module, link, radius_m))
+        let modules = self.modules.iter().enumerate();
+        let formed =
+            modules.map_while(move |(index, module)| Some((module, module.formed(&mut states, segments.get(index))?)));
+        formed.flat_map(|(module, (one, several))| {
+            one.into_iter().chain(several).map(move |(link, radius_m)| (module, link, radius_m))
         })
     }
 
@@ -401,11 +437,7 @@ impl Limb {
 
     /// Makes `body` what [`Limb::body`] gives.
     pub fn shape<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>, body: &mut Body) {
-        body.restart(&self.base);
-        for (module, link, radius_m) in self.links(states) {
-            body.module(&link.segment, link.mount_angle_rad, radius_m);
-            module.rigid_shape(body);
-        }
+        chain::shape(&self.base, self.links(states), body);
     }
 
     /// Position of the tip in states, one a drive, m.
@@ -415,17 +447,7 @@ impl Limb {
 
     /// Points along the centre line from the base to the tip in states, one a drive, m.
     pub fn backbone<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> Vec<[f64; 3]> {
-        let mut pose = self.base;
-        let mut points = vec![pose.translation.vector.into()];
-        for (_, link, _) in self.links(states) {
-            for step in 1..=BACKBONE_POINTS {
-                let share = step as f64 / BACKBONE_POINTS as f64;
-                points.push((pose * link.pose_at(share)).translation.vector.into());
-            }
-            pose *= link.pose();
-            points.push((pose * Point3::origin()).coords.into());
-        }
-        points
+        chain::backbone(&self.base, self.links(states))
     }
 }
 
@@ -441,16 +463,15 @@ fn build_module(
     };
     let mut actuator = Actuator::new(&module.actuator()).map_err(refused)?;
     let reference_max_pa = reference_max_pa(*module.pressure_max_pa);
-    let (curve, bend) = match &module.second_fiber {
-        Some(second) if *module.motion == Motion::Bending => {
-            (bender_curve(scene, module, second, reference_max_pa)?, Some(Bend::TwoWindings))
+    let (segments, curve, bend) = match series(scene, module, reference_max_pa)? {
+        Some((segments, curve)) => {
+            let bend = bend_of(&segments);
+            (segments, curve, bend)
         }
-        Some(second) => {
-            actuator = actuator.with_second_fiber(second).map_err(refused)?;
-            (StateCurve::new(&actuator, reference_max_pa), None)
+        None => {
+            let (curve, bend) = alone(scene, module, &mut actuator, reference_max_pa)?;
+            (Vec::new(), curve, bend)
         }
-        None if *module.motion == Motion::Bending => bend(scene, &actuator, reference_max_pa),
-        None => (StateCurve::new(&actuator, reference_max_pa), None),
     };
     let law = OnceLock::new();
     if scene.weight().is_some() && bend.is_some_and(Bend::is_by_section) {
@@ -473,7 +494,8 @@ fn build_module(
         bend,
         law,
         actuator,
-        second_fiber: module.second_fiber.map(|fiber| *fiber),
+        second_fiber: module.second_fiber.filter(|_| segments.is_empty()).map(|fiber| *fiber),
+        segments,
         length_m: module.moving_length_m(),
         bays: usize::from(module.spacers) + 1,
         arrangement: module.arrangement,
@@ -488,8 +510,32 @@ fn build_module(
     Ok(built)
 }
 
+/// The curve of an actuator that is wound alike along its length, and the model of its bend. The actuator gets its second winding where its
+/// solver takes it.
+fn alone(
+    scene: &Scene,
+    module: &Module,
+    actuator: &mut Actuator<f64>,
+    pressure_max_pa: f64,
+) -> Result<(StateCurve, Option<Bend>), SceneError> {
+    let refused = |error: InvalidParameter<f64>| {
+        scene.diagnostic(module.span, "the model cannot take this actuator", &error.to_string(), None)
+    };
+    Ok(match &module.second_fiber {
+        Some(second) if *module.motion == Motion::Bending => {
+            (bender_curve(scene, module, second, pressure_max_pa)?, Some(Bend::TwoWindings))
+        }
+        Some(second) => {
+            *actuator = actuator.with_second_fiber(second).map_err(refused)?;
+            (StateCurve::new(actuator, pressure_max_pa), None)
+        }
+        None if *module.motion == Motion::Bending => bend(scene, actuator, pressure_max_pa),
+        None => (StateCurve::new(actuator, pressure_max_pa), None),
+    })
+}
+
 /// The curve of a bending actuator with one winding, and its model.
-fn bend(scene: &Scene, actuator: &Actuator<f64>, pressure_max_pa: f64) -> (StateCurve, Option<Bend>) {
+pub(crate) fn bend(scene: &Scene, actuator: &Actuator<f64>, pressure_max_pa: f64) -> (StateCurve, Option<Bend>) {
     let analytic = StateCurve::new(actuator, pressure_max_pa);
     let parameters = actuator.parameters();
     if !is_wound_bender(parameters) {

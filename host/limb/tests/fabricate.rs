@@ -7,6 +7,7 @@ mod molds;
 mod paths;
 mod refusals;
 mod second;
+mod segments;
 mod sheets;
 mod surface;
 mod threads;

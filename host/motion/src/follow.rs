@@ -50,7 +50,7 @@ pub(super) fn has_model(module: &LimbModule) -> Result<(), NotFollowed> {
 }
 
 fn tracker(module: &LimbModule) -> Option<Tracker<f32>> {
-    if module.second_fiber().is_some() || module.is_by_section() {
+    if module.second_fiber().is_some() || module.is_by_section() || module.is_series() {
         return None;
     }
     Tracker::new(&module.actuator.parameters().map(|value| value as f32)).ok().flatten()

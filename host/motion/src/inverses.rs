@@ -91,6 +91,9 @@ pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneE
         }
         let bends = module.kind == StateQuantity::BendAngle && !module.is_by_section();
         let wanted = bends && controller.bending == BendingModel::SectionFe;
+        if wanted && module.is_series() {
+            return Err(no_cubic(scene, index, "its segments bend each by its own model"));
+        }
         let calibration = wanted.then(|| cubic(scene, index, module)).transpose()?;
         let bend = calibration.map(|calibration| calibration.polynomial);
         let subject = Subject { bend, ..Subject::of(module) };

@@ -22,7 +22,7 @@ pub(super) fn state_at(module: &LimbModule, start: &State<f64>, value: f64) -> R
     if module.is_restrained() {
         return held_back(module, value);
     }
-    if module.is_by_section() {
+    if module.is_by_curve() {
         return on_curve(module, value);
     }
     let none = Load::none();

@@ -11,7 +11,7 @@
 //!
 //! The tilt of a held object is treated like a clearance, with the turn of the tip in place of the way of a point.
 
-use fra_model::State;
+use fra_model::{Segment, State};
 
 use super::carrier::Carrier;
 use super::inverse_kinematics::Obstruction;
@@ -260,10 +260,17 @@ fn cells(module: &LimbModule) -> Vec<Cell> {
     let cell = |pair: &[State<f64>]| {
         let (a, b) = (&pair[0], &pair[1]);
         let (from, to) = (module.measure(a), module.measure(b));
-        let (before, after) = (module.link(a).segment, module.link(b).segment);
+        let pairs: Vec<_> = module.links(a).into_iter().zip(module.links(b)).collect();
         let per = |change: f64| if to == from { 0.0 } else { (change / (to - from)).abs() };
-        let stretch_m = after.length_m - before.length_m;
-        let turn = (after.bend_angle_rad - before.bend_angle_rad).hypot(after.twist_rad - before.twist_rad);
+        // Of the links of a series each does its part.
+        let sum = |of: fn(&Segment<f64>, &Segment<f64>) -> f64| {
+            pairs.iter().map(|(before, after)| of(&before.segment, &after.segment)).sum::<f64>()
+        };
+        let length_m = sum(|before, after| before.length_m.max(after.length_m));
+        let stretch_m = sum(|before, after| (after.length_m - before.length_m).abs());
+        let turn = sum(|before, after| {
+            (after.bend_angle_rad - before.bend_angle_rad).hypot(after.twist_rad - before.twist_rad)
+        });
         // Each of the `n` actuators of a steering module on a circle of radius `r` moves its mean length by `1/n` and its bend by `2/(n r)` of
         // its own change.
         let [turn, share] = if module.is_steering() {
@@ -274,7 +281,7 @@ fn cells(module: &LimbModule) -> Vec<Cell> {
         Cell {
             from: from.min(to),
             to: from.max(to),
-            length_m: before.length_m.max(after.length_m),
+            length_m,
             stretches_m: share * per(stretch_m),
             turns_rad: per(turn),
             grows_m: per(b.outer_radius_m - a.outer_radius_m),
@@ -305,9 +312,13 @@ mod tests {
     /// Samples of moves: what is proven clear is, and where a move is said to be blocked it is.
     #[test]
     fn verdicts_on_moves_agree_with_samples() {
-        let limb = limb();
-        let balls = [[0.6, -0.1, 0.9], [0.5, 0.1, 1.25]].map(|center| Shape::sphere(center, 0.05).unwrap());
-        let space = Space::new(Carrier::free(&limb), balls.iter().collect(), 0.01);
+        verdicts_agree_with_samples(&limb(), [[0.6, -0.1, 0.9], [0.5, 0.1, 1.25]], 0.05);
+        verdicts_agree_with_samples(&series(), [[0.25, 0.02, 0.14], [0.28, -0.06, 0.1]], 0.02);
+    }
+
+    fn verdicts_agree_with_samples(limb: &Limb, centers: [[f64; 3]; 2], radius_m: f64) {
+        let balls = centers.map(|center| Shape::sphere(center, radius_m).unwrap());
+        let space = Space::new(Carrier::free(limb), balls.iter().collect(), 0.01);
         let least_at = |from: &[f64], to: &[f64], share: f64| {
             let values: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + (b - a) * share).collect();
             let body = limb.body(&space.states(&values).unwrap());
@@ -315,7 +326,7 @@ mod tests {
         };
         let mut blocked = 0;
         for index in 0..120 {
-            let (from, to) = (row(&limb, index), row(&limb, index + 1));
+            let (from, to) = (row(limb, index), row(limb, index + 1));
             match space.blocked(&from, &to) {
                 Some(found) => {
                     blocked += 1;
@@ -333,12 +344,37 @@ mod tests {
     /// Exact derivatives of tip and body against differences.
     #[test]
     fn derivatives_by_pressure_are_those_of_differences() {
-        let limb = limb();
+        derivatives_are_those_of_differences(&limb());
+        derivatives_are_those_of_differences(&series());
+    }
+
+    /// A twisting, a bending and an extending segment in one module between two others.
+    fn series() -> Limb {
+        let path = format!("{}/../../scenes/extend-and-bend.toml", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).unwrap();
+        let helix =
+            "[windings.helix]\nangle = \"30 deg\"\nfamilies = 1\nmodulus = \"200 MPa\"\nthickness = \"0.1 mm\"\n";
+        let twisting = "[[module.segments]]\nmotion = \"twisting\"\nlength = \"50 mm\"\nwinding = \"helix\"\n";
+        let plain = |name: &str, motion: &str| {
+            format!(
+                "[[module]]\nname = \"{name}\"\nmotion = \"{motion}\"\nactuators = 1\ninner_radius = \"6 mm\"\n\
+                 outer_radius = \"9 mm\"\nlength = \"80 mm\"\nmaterial = \"dragon-skin-30\"\nwinding = \"hoop\"\n\n"
+            )
+        };
+        let text = text.replacen("[limb]", &format!("{helix}\n[limb]"), 1);
+        let text = text.replacen("[[module]]", &format!("{}[[module]]", plain("first", "bending")), 1);
+        let text = text.replacen("[[module.segments]]", &format!("{twisting}\n[[module.segments]]"), 1);
+        let text = text.replacen("length = \"100 mm\"", "length = \"100 mm\"\nbend_direction = \"70 deg\"", 1);
+        let text = text.replacen("[weight]", &format!("{}[weight]", plain("last", "bending")), 1);
+        Limb::new(&scene::parse(&text, "series.toml").unwrap()).unwrap()
+    }
+
+    fn derivatives_are_those_of_differences(limb: &Limb) {
         let pressures = [22e3, 31e3, 44e3];
         let at = |pressures: &[f64]| -> Vec<State<f64>> {
             limb.modules().iter().zip(pressures).map(|(m, p)| m.curve.at(*p)).collect()
         };
-        let exact = Differential::new(&limb, &pressures);
+        let exact = Differential::new(limb, &pressures);
         let h = 1.0;
         for piece in 0..limb.body(exact.states()).pieces().len() {
             let body = limb.body(&at(&pressures));

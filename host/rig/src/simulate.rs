@@ -2,12 +2,12 @@
 
 use softlimb_sim::SimSettings;
 use softlimb_sim::plant::{
-    ActuatorLaw, ChannelSettings, PlantSettings, PumpSettings, SensorSettings, Spread, Supply, TubeSettings,
-    ValveSettings,
+    ActuatorLaw, ChannelSettings, PlantSettings, PumpSettings, SegmentSettings, SensorSettings, Spread, Supply,
+    TubeSettings, ValveSettings,
 };
 
 use fra_model::{ActuatorParameters, Fiber, State};
-use softlimb_limb::{Limb, StateCurve};
+use softlimb_limb::{Bend, Limb, LimbSegment, StateCurve};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
@@ -35,10 +35,11 @@ pub fn settings(scene: &Scene, limb: &Limb, seed: u64) -> SimSettings {
             sensor: sensor(&plant.sensor, plant.sensor.full_scale_pa),
             leak_m3_per_s_pa: plant.valve.leak_m3_per_s_pa,
             second_fiber: module.second_fiber().copied(),
-            law: module.is_by_section().then_some(ActuatorLaw(by_section)),
+            law: law(module.bend()),
+            segments: module.segments().iter().map(segment).collect(),
             ..ChannelSettings::new(*module.actuator.parameters())
         };
-        module.channels.clone().map(move |_| nominal)
+        module.channels.clone().map(move |_| nominal.clone())
     });
     let mut settings = PlantSettings::new(seed, channels.collect());
     settings.atmosphere_pa = plant.ambient.pressure_pa;
@@ -48,6 +49,19 @@ pub fn settings(scene: &Scene, limb: &Limb, seed: u64) -> SimSettings {
     settings.spread = spread(&plant.spread);
     settings.gripper_time_s = scene.gripper_time_s();
     SimSettings { seed, ..SimSettings::new(settings) }
+}
+
+fn segment(segment: &LimbSegment) -> SegmentSettings {
+    SegmentSettings {
+        actuator: *segment.actuator.parameters(),
+        second_fiber: segment.second_fiber().copied(),
+        law: law(segment.bend()),
+    }
+}
+
+/// The law of a true actuator whose bend has this model.
+fn law(bend: Option<Bend>) -> Option<ActuatorLaw> {
+    bend.filter(|bend| bend.is_by_section()).map(|_| ActuatorLaw(by_section))
 }
 
 /// Equilibria of a true bending actuator whose model is the finite elements of its section. Where these do not reach the room for overshoot, they end at the limit.

@@ -25,6 +25,7 @@ mod report_summary;
 #[path = "../../../tests/support/samples.rs"]
 mod samples;
 mod scene_runs;
+mod segments;
 mod sound_plants;
 mod synthetic_run;
 mod table_scenes;

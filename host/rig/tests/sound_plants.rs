@@ -108,7 +108,7 @@ impl Bench {
         let ends_pa = [system.supply_min_pa, system.supply_max_pa].map(f64::from);
         let pressures_pa = [pressure_pa, 0.5 * (pressure_pa + ends_pa[0]), 0.5 * (pressure_pa + ends_pa[1])];
         plant.supply = Supply::Regulated { pressure_pa: pressures_pa[seed as usize % 3] };
-        plant.channels = self.channels.iter().map(|number| plant.channels[*number]).collect();
+        plant.channels = self.channels.iter().map(|number| plant.channels[*number].clone()).collect();
         for (channel, index) in plant.channels.iter_mut().zip(0..) {
             let (radius_m, length_m) = (channel.actuator.inner_radius_m, channel.actuator.length_m);
             let size = std::f64::consts::PI * radius_m * radius_m * length_m / REFERENCE_M3;

@@ -248,7 +248,7 @@ fn true_bender_with_two_windings_is_solved_with_its_own_wall() {
     let limb = Limb::new(&scene).unwrap();
     let settings = softlimb_rig::simulate::settings(&scene, &limb, 5);
     let plant = softlimb_sim::plant::Plant::new(&settings.plant).unwrap();
-    let made = plant.truth().channels[0].parameters;
+    let made = plant.truth().channels.remove(0).parameters;
     let nominal = limb.modules()[0].actuator.parameters();
     let ratio = made.actuator.material.shear_modulus_pa() / nominal.material.shear_modulus_pa();
     assert!((ratio - 1.0).abs() > 0.01, "{ratio}");

@@ -70,7 +70,9 @@ fn by_curve(module: &LimbModule, steps: usize) -> Curve {
     Curve {
         module: module.name.clone(),
         motion: module.motion.name(),
-        equations: if module.is_by_section() {
+        equations: if module.is_series() {
+            "segments in series at one pressure"
+        } else if module.is_by_section() {
             "finite elements of the section"
         } else {
             "tubes between plates, each from one strain energy"

@@ -285,3 +285,38 @@ fn planner_keeps_the_limb_that_is_designed_for_group_c() {
     assert_eq!((&designed["reached"], &designed["refused"]), (&true.into(), &serde_json::Value::Null), "{designed}");
     assert!(std::fs::read_to_string(desk.path("designed.toml")).unwrap().contains("\ndirection = ["));
 }
+
+/// A module of segments is checked, drawn and made segment by segment; what has no model of it points at the second one.
+#[test]
+fn module_of_segments_is_checked_and_otherwise_refused_at_the_line() {
+    let scene = include_str!("../../../scenes/extend-and-bend.toml");
+    let desk = Desk::new();
+    desk.put("scene.toml", scene);
+    desk.put("data.csv", "");
+    let checked = desk.softlimb("check scene.toml --json");
+    assert!(checked.json()["modules"][0]["tables"] == true, "{checked:?}");
+    let curve = desk.softlimb("eval scene.toml --json").done().json().to_string();
+    assert!(curve.contains("segments in series at one pressure"), "{curve}");
+    let line = 1 + scene[..scene.rfind("[[module.segments]]").expect("two of them")].matches('\n').count();
+    let place = format!("scene.toml:{line}:1");
+    for (verb, room) in [
+        ("statics scene.toml", "statics"),
+        ("tolerance scene.toml", "tolerance"),
+        ("workspace scene.toml --loaded", "workspace --loaded"),
+        ("workspace scene.toml", "workspace"),
+        ("payload capacity scene.toml", "payload capacity"),
+        ("payload estimate scene.toml --data data.csv", "payload estimate"),
+        ("fea compare scene.toml", "fea"),
+        ("fea calibrate scene.toml", "fea"),
+        ("design limb scene.toml --out designed.toml", "design limb"),
+        ("calibrate pressure data.csv --scene scene.toml --fit shear_modulus", "calibrate"),
+        ("calibrate creep data.csv --scene scene.toml", "calibrate"),
+    ] {
+        let refused = format!("`finger` has several segments, and `{room}` takes modules of one");
+        desk.softlimb(verb).failed(1, &[&refused, &place, "[[module.segments]]"]);
+    }
+    assert_eq!(desk.content(), ["data.csv", "scene.toml"]);
+    let made = desk.softlimb("fabricate scene.toml --no-mold --out made");
+    assert!(matches!(made.code, Some(0 | 3)), "{made:?}");
+    assert!(desk.content().contains(&"made/finger.1-thread-right.csv".to_owned()), "{:?}", desk.content());
+}

@@ -142,10 +142,12 @@ pub(super) fn mold_drawing(piece: &Piece) -> String {
     band("core", [LEFT, whole_m * scale], [0.0, inner_m]);
     let _ = writeln!(svg, "<path class=\"center\" d=\"M{:.1} {axis:.2}H{:.1}\"/>", LEFT - 14.0, end + 14.0);
     let below = axis + half;
+    let core = match piece.segment {
+        None => format!("core {} mm", mm(whole_m)),
+        Some(segment) => format!("one core of {} mm through all segments", mm(segment.tube_m + 2.0 * HOLD_M)),
+    };
     for (row, (from, to, text)) in
-        [(begin, begin + long, format!("shells {} mm", mm(length_m))), (LEFT, end, format!("core {} mm", mm(whole_m)))]
-            .into_iter()
-            .enumerate()
+        [(begin, begin + long, format!("shells {} mm", mm(length_m))), (LEFT, end, core)].into_iter().enumerate()
     {
         let line = below + 22.0 + 26.0 * row as f64;
         let _ = writeln!(

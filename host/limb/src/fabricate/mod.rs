@@ -22,7 +22,7 @@ mod winding;
 
 pub use advice::advice;
 pub use error::FabricateError;
-pub use piece::{Copy, Piece, SecondWinding, plan};
+pub use piece::{Copy, Piece, SecondWinding, TubeSegment, plan};
 pub use settings::{Settings, Thread};
 pub use tolerance::Tolerances;
 pub use winding::{Hand, Winding, Worth};

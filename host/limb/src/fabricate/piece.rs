@@ -45,11 +45,26 @@ pub struct SecondWinding {
     pub winding: Winding,
 }
 
-/// The actuators of one module, all made alike.
+/// The place of a segment on the tube that it is a part of. All segments are cast at once, with their shells end to end on one core.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TubeSegment {
+    /// Its number, from 1 at the base.
+    pub number: usize,
+    /// Segments of the tube.
+    pub count: usize,
+    /// Its distance from the near end of the tube, m.
+    pub start_m: f64,
+    /// Length of the tube, m.
+    pub tube_m: f64,
+}
+
+/// The actuators of one module, all made alike, or one segment of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
-    /// Name of the module.
+    /// Name of the module; of a segment with its number behind a point.
     pub name: String,
+    /// The segment it is; `None` of an actuator that is wound alike along its length.
+    pub segment: Option<TubeSegment>,
     /// The actuators it stands for.
     pub copies: Vec<Copy>,
     /// Their parameters.
@@ -77,6 +92,16 @@ pub struct Piece {
 }
 
 impl Piece {
+    /// Length of the whole tube, m.
+    pub fn tube_m(&self) -> f64 {
+        self.segment.map_or(self.parameters.length_m, |segment| segment.tube_m)
+    }
+
+    /// Whether core, base, caps and plates of the tube are among its parts: of a series among those of the first segment.
+    pub fn has_ends(&self) -> bool {
+        self.segment.is_none_or(|segment| segment.number == 1)
+    }
+
     /// Wall, m.
     pub fn wall_m(&self) -> f64 {
         self.parameters.outer_radius_m - self.parameters.inner_radius_m
@@ -128,14 +153,42 @@ pub fn plan(scene: &Scene, settings: &Settings) -> Result<Vec<Piece>, FabricateE
     // Bundles that hold each other are not worth a mold.
     let limb = Limb::new(scene)?;
     let mut first_channel = 0;
-    let pieces = scene.modules().iter().zip(limb.modules()).map(|(module, built)| {
+    let mut pieces = Vec::new();
+    for (module, built) in scene.modules().iter().zip(limb.modules()) {
         let copies = copies(module, first_channel);
         first_channel += usize::from(module.actuators);
-        let mut piece = piece(scene, module, copies, settings)?;
-        piece.warnings.extend(beyond_limit(built));
+        let first = pieces.len();
+        if module.segments.is_empty() {
+            pieces.push(piece(scene, module, copies, settings)?);
+        } else {
+            pieces.extend(segments(scene, module, &copies, settings)?);
+        }
+        pieces[first].warnings.extend(beyond_limit(built));
+    }
+    Ok(pieces)
+}
+
+/// The segments of a module's actuator, from the base on.
+fn segments(scene: &Scene, module: &Module, copies: &[Copy], settings: &Settings) -> Result<Vec<Piece>, SceneError> {
+    let count = module.segments.len();
+    let mut start_m = 0.0;
+    let of = |(index, alone): (usize, Module)| {
+        let mut piece = piece(scene, &alone, copies.to_vec(), settings)?;
+        let number = index + 1;
+        piece.name = format!("{}.{number}", *module.name);
+        piece.segment = Some(TubeSegment { number, count, start_m, tube_m: *module.length_m });
+        start_m += *alone.length_m;
         Ok(piece)
-    });
-    pieces.collect::<Result<_, SceneError>>().map_err(Into::into)
+    };
+    let alone = module.segment_modules();
+    let pieces: Vec<Piece> = alone.iter().cloned().enumerate().map(of).collect::<Result<_, _>>()?;
+    // Their shells stand on each other in either cast.
+    let covered = |piece: &Piece| piece.cover_m() > 1e-9;
+    let mut others = pieces.iter().zip(&alone);
+    match others.find(|(piece, _)| covered(piece) != covered(&pieces[0])) {
+        None => Ok(pieces),
+        Some((_, module)) => Err(Refusal { scene, module }.cover()),
+    }
 }
 
 /// The warning about a pressure that the wall does not carry.
@@ -187,6 +240,7 @@ fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, workshop: &Settings)
     }
     let mut piece = Piece {
         name: module.name.to_string(),
+        segment: None,
         copies,
         parameters,
         thread: settings.thread,
@@ -318,6 +372,12 @@ impl Refusal<'_> {
         let least_outer = (*self.module.inner_radius_m + least_m) * 1e3;
         let help = format!("an outer radius from {least_outer:.3} mm on, or another `--wall-min`");
         self.at(self.module.outer_radius_m.span, "the wall is too thin to be cast", &label, &help)
+    }
+
+    fn cover(&self) -> SceneError {
+        let help = "give the windings of all segments a `radius` below the surface, or none";
+        let label = "of this segment and the first, one thread lies on the surface and one under a cover";
+        self.at(self.module.span, "these segments cannot be cast together", label, help)
     }
 
     fn placement(&self, span: Span) -> SceneError {

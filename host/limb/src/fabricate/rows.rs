@@ -5,7 +5,7 @@ use fra_model::{Material, Motion};
 use super::mold::{CAP_M, HOLD_M, SPIGOT_M, connector_m, connector_radius_m, hose_m, nipple_m};
 use super::sheet::{CopyRow, Page, Row, Table};
 use super::winding::Worth;
-use super::{Hand, Piece, SecondWinding, Settings, Thread, Winding};
+use super::{Hand, Piece, SecondWinding, Settings, Thread, TubeSegment, Winding};
 
 pub(super) fn page(piece: &Piece, settings: &Settings) -> Page {
     let copies = piece.copies.iter().map(|copy| {
@@ -18,7 +18,7 @@ pub(super) fn page(piece: &Piece, settings: &Settings) -> Page {
     tables.extend(worth(&piece.winding));
     tables.extend((piece.parameters.motion == Motion::Bending).then(|| layer(piece)));
     tables.push(elastomer(piece, settings));
-    tables.push(ends(piece, settings));
+    tables.extend(piece.has_ends().then(|| ends(piece, settings)));
     Page {
         module: piece.name.clone(),
         motion: piece.parameters.motion.name().to_owned(),
@@ -51,10 +51,19 @@ fn dimensions(piece: &Piece, settings: &Settings) -> Table {
         row("inner radius (core)", mm(p.inner_radius_m), radius.clone()),
         row("outer radius", mm(p.outer_radius_m), radius),
         row("wall", mm(piece.wall_m()), format!("+- {}", mm(tolerances.wall_m))),
-        row("length between the caps", mm(p.length_m), "shells are as long".to_owned()),
-        row("core", mm(p.length_m + 2.0 * HOLD_M), format!("{} beyond the shells on either side", mm(HOLD_M))),
+        row(
+            if piece.segment.is_some() { "length of the segment" } else { "length between the caps" },
+            mm(p.length_m),
+            "shells are as long".to_owned(),
+        ),
+        row("core", mm(piece.tube_m() + 2.0 * HOLD_M), format!("{} beyond the shells on either side", mm(HOLD_M))),
         row("outer radius of the first cast", mm(piece.cast_radius_m), "carries the groove"),
     ];
+    if let Some(TubeSegment { number, count, start_m, tube_m }) = piece.segment {
+        rows.insert(0, row("segment", format!("{number} of {count}"), "one core, shells end to end, cast at once"));
+        let place = format!("{} to {}", mm(start_m), mm(start_m + p.length_m));
+        rows.insert(1, row("place on the tube, from its near end", place, format!("of {}", mm(tube_m))));
+    }
     if piece.cover_m() > 1e-9 {
         rows.push(row("cover, cast over the winding", mm(piece.cover_m()), "second cast"));
     }
@@ -94,6 +103,9 @@ fn winding(piece: &Piece, settings: &Settings) -> Table {
         format!("{:.3}, {:.3}, {:.3} mm", groove.depth_m * 1e3, groove.floor_m * 1e3, groove.top_m * 1e3),
         format!("leaves {} of wall", mm(piece.below_groove_m())),
     ));
+    if piece.segment.is_some() {
+        rows.push(row("ends of the thread", "tied".to_owned(), "at both ends of the segment; the next has its own"));
+    }
     table("Winding", rows)
 }
 
@@ -191,7 +203,7 @@ fn layer(piece: &Piece) -> Table {
             mm(p.outer_radius_m),
             "the model takes it as a line: as narrow as holds, inextensible",
         ),
-        row("length", mm(p.length_m), "from cap to cap"),
+        row("length", mm(p.length_m), if piece.segment.is_some() { "over the segment" } else { "from cap to cap" }),
         row(
             "side of the limb",
             format!("{:.2} deg from up", piece.mount_angle_rad.to_degrees()),

@@ -75,6 +75,8 @@ pub fn limb_capacity(
     let gravity = Vector3::from(case.gravity_m_per_s2);
     require(gravity.norm().is_finite(), "gravity_m_per_s2", gravity.norm(), "finite")?;
     require(states.len() == limb.drives().len(), "states", states.len() as f64, "one for each setpoint")?;
+    let several = limb.modules().iter().map(|module| module.segments().len()).max().unwrap_or_default();
+    require(several == 0, "segments", several as f64, "modules of one segment")?;
     let links: Vec<Link<f64>> = limb.links(states).map(|(_, link, _)| link).collect();
     let (poses, masses) = chain(scene, limb, &links);
     let tip = poses[links.len()] * Point3::origin();

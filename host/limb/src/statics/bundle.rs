@@ -85,10 +85,10 @@ pub struct Bundle {
 impl Bundle {
     /// The bundle of a module with a gauge pressure, Pa, in each actuator, and `bays` >= 1 stretches between plates, so `bays - 1` spacers.
     ///
-    /// `None` where an actuator has no equilibrium at its pressure, or where there is not one pressure per actuator. The lines of bending
+    /// `None` where an actuator has no equilibrium at its pressure or is a series, or where there is not one pressure per actuator. The lines of bending
     /// actuators at different heights hold each other; in a row along the axis of bending they add no stiffness in its plane.
     pub fn new(module: &LimbModule, pressures_pa: &[f64], bays: usize) -> Option<Self> {
-        if pressures_pa.len() != module.channels.len() || bays == 0 {
+        if pressures_pa.len() != module.channels.len() || bays == 0 || module.is_series() {
             return None;
         }
         // Bundles mostly have one pressure, and the model is what costs.

@@ -48,6 +48,11 @@ pub enum WorkspaceError {
     /// The model has no answer at some pressure of a module's range.
     #[error("module `{0}`: the model has no equilibrium at some pressure of its range")]
     Module(String),
+    /// Its polynomials are those of one arc.
+    #[error(
+        "module `{0}` has several segments, and the workspace takes modules of one: `check` and `run` take segments"
+    )]
+    Segments(String),
     /// A limb has at most 27 channels.
     #[error("the limb has {0} pressures to choose; at most 27 are looked at")]
     TooMany(usize),
@@ -71,6 +76,9 @@ impl<'a> Workspace<'a> {
     pub fn new(limb: &'a Limb, command: Command) -> Result<Self, WorkspaceError> {
         let (mut modules, mut single, mut axes) = (Vec::new(), Vec::new(), Vec::new());
         for (index, module) in limb.modules().iter().enumerate() {
+            if module.is_series() {
+                return Err(WorkspaceError::Segments(module.name.clone()));
+            }
             let pressure_max_pa = module.curve.pressure_max_pa();
             let ends_at_limit = pressure_max_pa < module.reference_max_pa * (1.0 - 1e-9);
             let made = Module::new(module, pressure_max_pa, each(module, command));

@@ -16,7 +16,7 @@ use crate::record::{
     Posture, RunInfo, Sample, SampleRow, Shape,
 };
 use softlimb_limb::statics::Fidelity;
-use softlimb_limb::{Drive, Limb};
+use softlimb_limb::{Chain, Drive, Limb, LimbModule};
 use softlimb_motion::{Nominal, Plan, Pose};
 use softlimb_numerics::statistics::mean;
 use softlimb_scene as scene;
@@ -126,6 +126,7 @@ impl<'a> Assembler<'a> {
         let modelled: Vec<State<f64>> = self.limb.drives().map(|drive| modelled(&drive, &channels)).collect();
         let achieved: Option<Vec<State<f64>>> =
             truth.map(|truth| self.limb.drives().map(|drive| achieved(&drive, truth)).collect());
+        let free = truth.zip(achieved.as_ref()).map(|(truth, states)| self.limb.chain(states, &made(self.limb, truth)));
         let values = self.reference.values_at(time_us);
         let payload_kg = self.reference.payload_kg(time_us);
         let (hung, faults) = match (&mut self.true_limb, truth, &achieved) {
@@ -144,7 +145,7 @@ impl<'a> Assembler<'a> {
         };
         let tip_achieved_m = match &hung {
             Some(hung) => hung.as_ref().map(|hung| hung.tip_m),
-            None => achieved.as_ref().map(|states| self.limb.tip(states)),
+            None => free.as_ref().map(Chain::tip),
         };
         let modules = self.limb.drives().enumerate().map(|(index, drive)| ModuleSample {
             setpoint: values[index],
@@ -179,7 +180,7 @@ impl<'a> Assembler<'a> {
             let tip_unloaded_m = if hangs && self.weighed.is_none() { unloaded() } else { None };
             let observed = || match &hung {
                 Some(hung) => hung.as_ref().map(|hung| hung.body.clone()),
-                None => achieved.as_ref().map(|states| self.limb.body(states)),
+                None => free.as_ref().map(Chain::body),
             };
             let drawn = match (truth, &nominal) {
                 (Some(_), _) => observed(),
@@ -200,7 +201,7 @@ impl<'a> Assembler<'a> {
                 setpoint: self.reference.line_m(time_us),
                 achieved: match hung {
                     Some(hung) => hung.map(|hung| hung.line_m),
-                    None => achieved.as_ref().map(|states| self.limb.backbone(states)),
+                    None => free.as_ref().map(Chain::backbone),
                 },
             }
         });
@@ -319,6 +320,14 @@ fn mean_state(drive: &Drive<'_>, truth: &Truth) -> State<f64> {
         (State::combine([&sum, &shape], |[sum, value]| sum + value), count + 1.0)
     });
     State::combine([&sum], |[sum]| sum / count)
+}
+
+/// The states of the segments of each module; none where it is no series.
+fn made(limb: &Limb, truth: &Truth) -> Vec<Vec<State<f64>>> {
+    let of = |module: &LimbModule| {
+        truth.channels.get(module.channels.start).map_or_else(Vec::new, |channel| channel.segments.clone())
+    };
+    limb.modules().iter().map(of).collect()
 }
 
 fn measured(limb: &Limb, states: &[State<f64>]) -> Vec<f64> {

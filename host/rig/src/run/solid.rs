@@ -68,10 +68,13 @@ fn parts<'a>(limb: &Limb, body: &'a Body) -> Vec<(&'a [Piece], &'a [Piece])> {
     let rigid = |module: &LimbModule| module.rigid_parts_m().iter().filter(|part| **part > 0.0).count();
     let rigid_parts: usize = limb.modules().iter().map(rigid).sum();
     let mut rest = body.pieces();
-    let each = rest.len().saturating_sub(rigid_parts) / limb.modules().len().max(1);
+    // A series has as many links as segments.
+    let links = |module: &LimbModule| module.segments().len().max(1);
+    let all: usize = limb.modules().iter().map(links).sum();
+    let each = rest.len().saturating_sub(rigid_parts) / all.max(1);
     let mut parts = Vec::with_capacity(limb.modules().len());
     for module in limb.modules() {
-        let (moving, others) = rest.split_at(each.min(rest.len()));
+        let (moving, others) = rest.split_at((each * links(module)).min(rest.len()));
         let (behind, others) = others.split_at(rigid(module).min(others.len()));
         parts.push((moving, behind));
         rest = others;

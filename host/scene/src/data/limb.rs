@@ -117,6 +117,24 @@ pub struct ModuleSegment {
 }
 
 impl Module {
+    /// Each segment as a module of its own, as it is made: with its own motion, length, winding and direction.
+    pub fn segment_modules(&self) -> Vec<Self> {
+        let alone = |segment: &ModuleSegment| Self {
+            motion: segment.motion,
+            mount_angle_rad: self.mount_angle_rad + segment.bend_direction_rad,
+            length_m: segment.length_m,
+            end_length_m: 0.0,
+            segments: Vec::new(),
+            fiber: segment.fiber,
+            thread: segment.thread,
+            second_fiber: segment.second_fiber,
+            second_thread: segment.second_thread,
+            span: segment.span,
+            ..self.clone()
+        };
+        self.segments.iter().map(alone).collect()
+    }
+
     /// The segments of its actuator as [`actuator`](Self::actuator), each with its second winding, from the base to the tip; none of a module
     /// without segments. The end caps take from the first and the last.
     pub fn segment_actuators(&self) -> Vec<WoundActuator> {

@@ -52,6 +52,9 @@ impl Scene {
     /// The warning about a bending module whose winding is more than 5 deg from the hoop although the model takes it as a hoop; `None` for
     /// all others.
     pub fn winding_warning(&self, module: &Module) -> Option<String> {
+        if !module.segments.is_empty() {
+            return module.segment_modules().iter().find_map(|segment| self.winding_warning(segment));
+        }
         let one_winding = module.second_fiber.is_none();
         let fiber = module.fiber.filter(|_| one_winding && *module.motion == Motion::Bending)?;
         let angle_deg = fiber.angle_rad.to_degrees().abs();

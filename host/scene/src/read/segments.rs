@@ -30,9 +30,13 @@ pub(super) fn segments(
         return reader.log().note(problem.help("a module of one segment has `length` and `winding` itself"));
     }
     let own = reader.forbid(&[module::LENGTH.name, module::WINDING.name], "with `segments`, which have their own");
+    let places = reader.forbid(
+        &[module::CIRCLE_RADIUS.name, module::SPACING.name],
+        "with `segments`, whose actuator is in the middle",
+    );
     let read: Vec<_> = tables.iter().map(|table| segment(table, windings, wall, law)).collect();
     let segments: Vec<ModuleSegment> = read.into_iter().collect::<Option<_>>()?;
-    own?;
+    own.and(places)?;
     let (motion, actuators) = (motion?, actuators?);
     if *actuators != 1 {
         let problem = Problem::at(actuators.span, "a module with `segments` has one actuator", "several here");

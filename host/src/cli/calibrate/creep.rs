@@ -57,6 +57,7 @@ impl Creep {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let scene = scene::load(&self.scene)?;
         let about = about(&self.step);
+        scene.require_no_segments("`calibrate`")?;
         let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
         let points = Points::read(&read(&self.step)?, &names).map_err(|error| about(&error))?;
         if points.points.iter().any(|point| point.specimen.is_some()) {

@@ -93,6 +93,7 @@ pub(super) struct Seen {
 impl Pressure {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, about) = (scene::load(&self.scene)?, about(&self.data));
+        scene.require_no_segments("`calibrate`")?;
         let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
         let points = Points::read(&read(&self.data)?, &names).map_err(|error| about(&error))?;
         if points.timed {

@@ -53,6 +53,7 @@ impl Run {
             Some(scene) => scene::load(scene)?,
             None => recorded.clone()?,
         };
+        scene.require_no_segments("`calibrate`")?;
         let limb = Limb::new(&scene)?;
         let names: Vec<String> = limb.drives().map(|drive| drive.name()).collect();
         if !names.iter().eq(log.info.modules.iter().map(|module| &module.name)) {

@@ -112,6 +112,7 @@ impl TensionMode {
         if !names.contains(&name) {
             return Err(Failure::new(format!("no module is made of `{name}`; known materials: {}", names.join(", "))));
         }
+        scene.require_no_segments("`calibrate`")?;
         let limb = Limb::new(scene)?;
         let mut wanted = Vec::new();
         for (index, (module, built)) in scene.modules().iter().zip(limb.modules()).enumerate() {

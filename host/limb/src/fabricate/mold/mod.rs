@@ -65,10 +65,18 @@ pub struct Part {
 /// The parts for one kind of actuator, and how many of each are needed.
 pub fn names(piece: &Piece) -> Vec<(&'static str, u32)> {
     let copies = piece.copies.len() as u32;
-    let mut names = vec![("core", 1), ("shell-a", 1), ("shell-b", 1), ("base", 1)];
-    names.extend([("cover", 2), ("cover-base", 1)].into_iter().filter(|_| has_cover(piece)));
-    names.extend([("cap", copies), ("port", copies), ("connector", 2)]);
-    names
+    let all = [
+        ("core", 1),
+        ("shell-a", 1),
+        ("shell-b", 1),
+        ("base", 1),
+        ("cover", 2),
+        ("cover-base", 1),
+        ("cap", copies),
+        ("port", copies),
+        ("connector", 2),
+    ];
+    all.into_iter().filter(|(name, _)| has(piece, name)).collect()
 }
 
 /// All parts for one kind of actuator.
@@ -79,12 +87,24 @@ pub fn names(piece: &Piece) -> Vec<(&'static str, u32)> {
 pub fn parts(piece: &Piece, settings: &Settings) -> Result<Vec<Part>, OutOfRange> {
     let chord_m = settings.chord_m;
     let [a, b] = shells(piece, chord_m)?;
-    let mut meshes = vec![core(piece, chord_m), a, b, base(piece, piece.cast_radius_m, chord_m)];
+    let ends = piece.has_ends();
+    let mut meshes = Vec::from_iter(ends.then(|| core(piece, chord_m)));
+    meshes.extend([a, b]);
+    meshes.extend(ends.then(|| base(piece, piece.cast_radius_m, chord_m)));
     if has_cover(piece) {
-        meshes.extend([cover(piece, chord_m), base(piece, piece.parameters.outer_radius_m, chord_m)]);
+        meshes.push(cover(piece, chord_m));
+        meshes.extend(ends.then(|| base(piece, piece.parameters.outer_radius_m, chord_m)));
     }
-    meshes.extend([cap(piece, chord_m), port(piece, settings)?, connector(piece, settings)]);
+    if ends {
+        meshes.extend([cap(piece, chord_m), port(piece, settings)?, connector(piece, settings)]);
+    }
     Ok(names(piece).into_iter().zip(meshes).map(|((name, _), mesh)| Part { name, mesh }).collect())
+}
+
+/// Whether a part is among those of a piece: the shells of a segment stand on those of the one below.
+fn has(piece: &Piece, name: &str) -> bool {
+    let is_shell = ["shell-a", "shell-b", "cover"].contains(&name);
+    (is_shell || piece.has_ends()) && (has_cover(piece) || !name.starts_with("cover"))
 }
 
 /// Whether there is a second cast.
@@ -92,9 +112,9 @@ fn has_cover(piece: &Piece) -> bool {
     piece.cover_m() > 1e-9
 }
 
-/// The core of the chamber: a rod of the inner radius, [`HOLD_M`] longer than the actuator on either side, from `z = -HOLD_M` up.
+/// The core of the chamber: a rod of the inner radius, [`HOLD_M`] longer than the whole actuator on either side, from `z = -HOLD_M` up.
 pub fn core(piece: &Piece, chord_m: f64) -> Mesh {
-    let (radius_m, top_m) = (piece.parameters.inner_radius_m, piece.parameters.length_m + HOLD_M);
+    let (radius_m, top_m) = (piece.parameters.inner_radius_m, piece.tube_m() + HOLD_M);
     turned(&[[0.0, -HOLD_M], [radius_m, -HOLD_M], [radius_m, top_m], [0.0, top_m]], chord_m)
 }
 
