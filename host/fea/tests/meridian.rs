@@ -40,12 +40,67 @@ fn mid_length_has_the_rates_of_the_thick_walled_tube() {
     ] {
         let parameters = ActuatorParameters { length_m, ..tube(material, angle_deg, families, placement) };
         let pressure_pa = 20e3;
-        let found = end_length(&parameters, pressure_pa).expect("an equilibrium");
+        let found = end_length(&parameters, None, pressure_pa).expect("an equilibrium");
         let model = Actuator::new(&parameters).expect("valid").forward(pressure_pa, &Load::none()).expect("finite");
         let [strain, twist] = [model.state.axial_strain, model.state.twist_rad / parameters.length_m];
         assert!((found.axial_strain - strain).abs() < 1e-5 * strain.abs(), "{angle_deg}: {found:?} {strain}");
         assert!((found.twist_rate_rad_per_m - twist).abs() <= 1e-5 * twist.abs(), "{angle_deg}: {found:?} {twist}");
     }
+}
+
+/// Two windings in one place and in two, on both faces, within the wall and as the rest of it.
+#[test]
+fn mid_length_of_two_windings_has_the_rates_of_the_thick_walled_tube() {
+    use Families::{One, Two};
+    use Placement::{Layer, Sheet, Smeared};
+    let mut twists = 0;
+    for (first, second, radius_m) in [
+        ((30.0, One, Sheet), (90.0, One, Sheet), 8e-3),
+        ((5.0, Two, Sheet), (40.0, One, Sheet), 6.7e-3),
+        ((5.0, Two, Sheet), (-40.0, One, Sheet), 6e-3),
+        ((25.0, One, Layer), (90.0, One, Sheet), 7e-3),
+        ((20.0, Two, Smeared), (10.0, One, Layer), 7.2e-3),
+    ] {
+        let (angle_deg, families, placement) = first;
+        let parameters = ActuatorParameters { length_m: 0.2, ..tube(YEOH, angle_deg, families, placement) };
+        let (angle_deg, families, placement) = second;
+        let of = tube(YEOH, angle_deg, families, placement).fiber.expect("wound");
+        let second = Fiber { radius_m, modulus_pa: 15e6, ..of };
+        let pressure_pa = 20e3;
+        let found = end_length(&parameters, Some(&second), pressure_pa).expect("an equilibrium");
+        let actuator = Actuator::new(&parameters).and_then(|tube| tube.with_second_fiber(&second)).expect("valid");
+        let model = actuator.forward(pressure_pa, &Load::none()).expect("finite");
+        let [strain, twist] = [model.state.axial_strain, model.state.twist_rad / parameters.length_m];
+        let case = format!("{first:?} {second:?}: {found:?} {strain} {twist}");
+        assert!((found.axial_strain - strain).abs() < 1e-5 * strain.abs(), "{case}");
+        assert!((found.twist_rate_rad_per_m - twist).abs() <= 1e-5 * twist.abs(), "{case}");
+        twists += u32::from(found.twist.is_some());
+    }
+    assert!(twists > 0);
+}
+
+/// Both helices of a bender as two windings are one winding of two families, and its ends are those of the straight tube.
+#[test]
+fn ends_of_a_wound_bender_are_those_of_its_tube() {
+    let both = tube(NEO_HOOKEAN, 20.0, Families::Two, Placement::Sheet);
+    let straight = end_length(&both, None, 20e3).expect("an equilibrium");
+    let bender = |fiber| ActuatorParameters { motion: Motion::Bending, fiber, ..both };
+    let helix = |sign: f64| {
+        both.fiber.map(|fiber| Fiber { angle_rad: sign * fiber.angle_rad, families: Families::One, ..fiber })
+    };
+    for (first, second) in [(both.fiber, None), (helix(1.0), helix(-1.0))] {
+        let found = end_length(&bender(first), second.as_ref(), 20e3).expect("an equilibrium");
+        let [found, wanted] = [&found, &straight].map(|ends| ends.axial.expect("it lengthens").delta_m);
+        assert!((found / wanted - 1.0).abs() < 1e-9, "{found} {wanted}");
+    }
+    // An unstated winding is stiff hoops.
+    let hoops = end_length(&bender(None), None, 20e3).expect("an equilibrium").axial.expect("it lengthens").delta_m;
+    assert!((hoops / straight.axial.expect("it lengthens").delta_m - 1.0).abs() > 0.05);
+    let far = helix(1.0).map(|fiber| Fiber { radius_m: 9e-3, ..fiber });
+    let Err(MeridianError::Invalid(error)) = end_length(&bender(both.fiber), far.as_ref(), 20e3) else {
+        panic!("outside")
+    };
+    assert_eq!(error.field, "second_fiber.radius_m");
 }
 
 /// A sheet on the inner face is as good as one next to it, and a winding on the face of the lumen is not left out.
@@ -54,7 +109,7 @@ fn sheet_on_the_inner_face_is_there() {
     let at = |radius_m: f64| {
         let mut parameters = tube(NEO_HOOKEAN, 5.0, Families::Two, Placement::Sheet);
         parameters.fiber = parameters.fiber.map(|fiber| Fiber { radius_m, ..fiber });
-        end_length(&parameters, 20e3).expect("an equilibrium").axial_strain
+        end_length(&parameters, None, 20e3).expect("an equilibrium").axial_strain
     };
     let model = |radius_m: f64| {
         let mut parameters = tube(NEO_HOOKEAN, 5.0, Families::Two, Placement::Sheet);
@@ -72,7 +127,7 @@ fn sheet_on_the_inner_face_is_there() {
 fn end_lengths_are_those_of_another_program() {
     let wall_m = 2e-3;
     let of = |angle_deg, families, placement, pressure_pa: f64| -> EndLength {
-        end_length(&tube(NEO_HOOKEAN, angle_deg, families, placement), pressure_pa).expect("an equilibrium")
+        end_length(&tube(NEO_HOOKEAN, angle_deg, families, placement), None, pressure_pa).expect("an equilibrium")
     };
     for pressure_pa in [10e3, 40e3] {
         let surface = of(5.0, Families::Two, Placement::Sheet, pressure_pa);
@@ -88,7 +143,7 @@ fn end_lengths_are_those_of_another_program() {
         fiber: None,
         ..tube(NEO_HOOKEAN, 0.0, Families::Two, Placement::Sheet)
     };
-    let share = end_length(&bending, 20e3).expect("an equilibrium").axial.expect("it lengthens").delta_m / wall_m;
+    let share = end_length(&bending, None, 20e3).expect("an equilibrium").axial.expect("it lengthens").delta_m / wall_m;
     assert!((0.20..0.27).contains(&share), "bending: {share}");
 }
 
@@ -130,13 +185,15 @@ fn nonsense_is_refused() {
     let parameters = tube(NEO_HOOKEAN, 5.0, Families::Two, Placement::Sheet);
     let bare = ActuatorParameters { fiber: None, ..parameters };
     // 0.75 mu ln(R_o/R_i) = 43.15 kPa is the limit pressure of a long bare tube; caps hold it a little.
-    let Err(MeridianError::NoEquilibrium { last_pa, .. }) = end_length(&bare, 60e3) else { panic!("beyond its limit") };
+    let Err(MeridianError::NoEquilibrium { last_pa, .. }) = end_length(&bare, None, 60e3) else {
+        panic!("beyond its limit")
+    };
     assert!((43.0e3..43.5e3).contains(&last_pa), "{last_pa}");
     let invalid = |result: Result<_, MeridianError>| match result {
         Err(MeridianError::Invalid(error)) => error.field,
         other => panic!("{other:?}"),
     };
-    assert_eq!(invalid(end_length(&parameters, f64::NAN).map(|_| ())), "pressure_pa");
+    assert_eq!(invalid(end_length(&parameters, None, f64::NAN).map(|_| ())), "pressure_pa");
     let thread = Thread { stiffness_n: 772.0, spacing_m: 1e-3, width_m: 0.18e-3 };
     let asked = |thread| invalid(thread_sheet(&parameters, &thread, 1e4).map(|_| ()));
     assert_eq!(asked(Thread { width_m: 2e-3, ..thread }), "width_m");
@@ -144,7 +201,7 @@ fn nonsense_is_refused() {
     assert_eq!(asked(Thread { spacing_m: f64::INFINITY, ..thread }), "spacing_m");
     // An expanding tube neither lengthens nor twists, and a sheet of no stiffness or of any is worth no thread.
     let expanding = tube(NEO_HOOKEAN, 85.0, Families::Two, Placement::Sheet);
-    assert!(matches!(end_length(&expanding, 20e3), Err(MeridianError::NoMotion { .. })));
+    assert!(matches!(end_length(&expanding, None, 20e3), Err(MeridianError::NoMotion { .. })));
     for thread in [
         Thread { stiffness_n: 1e-9, spacing_m: 3e-3, width_m: 0.18e-3 },
         Thread { stiffness_n: 1e9, spacing_m: 0.2e-3, width_m: 0.19e-3 },
@@ -153,5 +210,5 @@ fn nonsense_is_refused() {
         assert!(matches!(found, Err(MeridianError::NotMatched { .. })), "{found:?}");
     }
     let wide = ActuatorParameters { outer_radius_m: 1e-3, ..parameters };
-    assert_eq!(invalid(end_length(&wide, 1e4).map(|_| ())), "outer_radius_m");
+    assert_eq!(invalid(end_length(&wide, None, 1e4).map(|_| ())), "outer_radius_m");
 }

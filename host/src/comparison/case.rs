@@ -1,8 +1,8 @@
 //! An actuator and the deformation compared.
 
-use fra_model::{ActuatorParameters, Motion, State, StateQuantity};
+use fra_model::{ActuatorParameters, Fiber, Motion, State, StateQuantity};
 
-use softlimb_fea::cross_section::ErrorEstimate;
+use softlimb_fea::cross_section::{ErrorEstimate, Options, Section, SectionError};
 use softlimb_fea::solid::Rates;
 
 /// One actuator and the pressures it is compared at.
@@ -12,8 +12,24 @@ pub struct Case {
     pub name: String,
     /// The actuator.
     pub parameters: ActuatorParameters<f64>,
+    /// Its second winding.
+    pub second_fiber: Option<Fiber<f64>>,
     /// Gauge pressures, Pa, rising.
     pub pressures_pa: Vec<f64>,
+}
+
+impl Case {
+    /// The finite elements of its section.
+    ///
+    /// # Errors
+    /// [`SectionError`] of a case that is no actuator.
+    pub(super) fn section(&self) -> Result<Section, SectionError> {
+        let options = Options::default();
+        match &self.second_fiber {
+            None => Section::new(&self.parameters, &options),
+            Some(second) => Section::with_two_windings(&self.parameters, second, &options),
+        }
+    }
 }
 
 /// The deformation that a motion is named after, with its unit of display, as in Fig. 6 of the paper.

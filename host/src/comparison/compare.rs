@@ -3,7 +3,7 @@
 use fra_model::{Actuator, Load, Motion, Status};
 
 use super::case::{Case, at_rest, of_error, value};
-use softlimb_fea::cross_section::{BendPolynomial, Curve, EndLoad, Options, Section, SectionError};
+use softlimb_fea::cross_section::{BendPolynomial, Curve, EndLoad, SectionError};
 
 /// Answer of a three-dimensional model to a case: the quantity at each of its pressures, `None` where it gave up before.
 pub type Solid = Vec<Option<f64>>;
@@ -19,7 +19,8 @@ pub struct Row {
     pub rest: f64,
     /// Gauge pressure, kPa.
     pub pressure_kpa: f64,
-    /// By the equations of `docs/explanation/model.md`; `None` where there is no equilibrium.
+    /// By the equations of `docs/explanation/model.md`; `None` where there is no equilibrium, and of a bending actuator with two windings, which
+    /// they leave out.
     pub analytic: Option<f64>,
     /// By the bending polynomial fitted to the section.
     pub calibrated: Option<f64>,
@@ -73,7 +74,7 @@ impl Comparison {
 /// # Errors
 /// [`SectionError`] of a case that is no actuator.
 pub fn section_curve(case: &Case) -> Result<Curve, SectionError> {
-    Section::new(&case.parameters, &Options::default())?.curve(&case.pressures_pa, &EndLoad::default())
+    case.section()?.curve(&case.pressures_pa, &EndLoad::default())
 }
 
 /// Asks the analytic model about a case, and joins what the section and a three-dimensional model have said of it. Where the section gives no
@@ -84,18 +85,24 @@ pub fn section_curve(case: &Case) -> Result<Curve, SectionError> {
 pub fn compare(case: &Case, curve: &Curve, solid: &Solid) -> Result<Vec<Row>, SectionError> {
     let (parameters, length_m) = (&case.parameters, case.parameters.length_m);
     let motion = parameters.motion;
-    let actuator = Actuator::new(parameters)?;
+    let actuator = match &case.second_fiber {
+        None => Some(Actuator::new(parameters)?),
+        Some(_) if motion == Motion::Bending => None,
+        Some(second) => Some(Actuator::new(parameters)?.with_second_fiber(second)?),
+    };
     let polynomial = polynomial(case)?;
     let mut rows = Vec::new();
     for (index, answer) in curve.answers.iter().enumerate() {
-        let analytic = actuator.forward(answer.pressure_pa, &Load::none())?;
+        let analytic =
+            actuator.as_ref().map(|actuator| actuator.forward(answer.pressure_pa, &Load::none())).transpose()?;
+        let analytic = analytic.filter(|analytic| analytic.status == Status::Solved);
         let equilibrium = answer.equilibrium();
         rows.push(Row {
             case: case.name.clone(),
             motion,
             rest: at_rest(parameters),
             pressure_kpa: answer.pressure_pa * 1e-3,
-            analytic: (analytic.status == Status::Solved).then(|| value(motion, &analytic.state)),
+            analytic: analytic.map(|analytic| value(motion, &analytic.state)),
             calibrated: polynomial.map(|curve| (curve.bend_rate_rad_per_m(answer.pressure_pa) * length_m).to_degrees()),
             section: equilibrium.map(|equilibrium| value(motion, &equilibrium.state.over(length_m))),
             section_error: equilibrium.and_then(|found| found.error).map(|error| of_error(motion, &error, length_m)),
@@ -110,7 +117,7 @@ fn polynomial(case: &Case) -> Result<Option<BendPolynomial>, SectionError> {
     let (Motion::Bending, [lowest, .., highest]) = (case.parameters.motion, &case.pressures_pa[..]) else {
         return Ok(None);
     };
-    match Section::new(&case.parameters, &Options::default())?.calibrate([*lowest, *highest]) {
+    match case.section()?.calibrate([*lowest, *highest]) {
         Ok(calibration) => Ok(Some(calibration.polynomial)),
         Err(SectionError::NoBend { .. }) => Ok(None),
         Err(error) => Err(error),

@@ -81,7 +81,8 @@ fn by_calculix(
     share: &mut dyn FnMut(f64),
     warnings: &mut Vec<String>,
 ) -> Result<(Solid, Option<f64>), StudyError> {
-    let (subject, options) = (Subject::single(case.parameters), solid::Options::default());
+    let (subject, options) =
+        (Subject::single(case.parameters).with_second_fiber(case.second_fiber), solid::Options::default());
     let mut progress = |progress: solid::RunProgress| share(progress.share);
     let run = match solid::run(&subject, &options, &case.pressures_pa, runner, clock, &mut progress) {
         Ok(run) => run,

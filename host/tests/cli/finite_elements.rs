@@ -1,6 +1,6 @@
 //! `softlimb fea compare` and `fea calibrate`.
 
-use crate::cli::desk::Desk;
+use crate::cli::desk::{Desk, SCENE};
 
 /// A shell script in place of CalculiX.
 fn in_place(desk: &Desk, script: &str) -> String {
@@ -28,6 +28,59 @@ fn scene_is_compared() {
     assert!(table.starts_with("finger: bend angle, deg\n"), "{table}");
     assert!(table.lines().last().is_some_and(|line| line.starts_with("a curve takes the section ")), "{table}");
     assert!(std::fs::read_to_string(desk.path("picture.svg")).unwrap().starts_with("<svg "));
+}
+
+/// The scene's finger with other windings, each of its name, angle in degrees, families and modulus in MPa.
+fn rewound(motion: &str, target: &str, windings: [(&str, u32, u32, u32); 2]) -> String {
+    let winding = |(name, angle_deg, families, modulus): (&str, u32, u32, u32)| {
+        format!(
+            "[windings.{name}]\nangle = \"{angle_deg} deg\"\nfamilies = {families}\nmodulus = \"{modulus} MPa\"\nthickness = \"0.1 mm\"\n"
+        )
+    };
+    let [first, second] = windings.map(|(name, ..)| name);
+    SCENE
+        .replace("[limb]", &format!("{}[limb]", windings.map(winding).concat()))
+        .replace("motion = \"bending\"", &format!("motion = \"{motion}\"\nwinding = [\"{first}\", \"{second}\"]"))
+        .replace("bend_angle = \"30 deg\"", target)
+}
+
+/// The analytic model of a straight rod with two windings is exact; a bender has finite elements and their cubic alone.
+#[test]
+fn two_windings_are_compared_and_calibrated() {
+    let desk = Desk::new();
+    desk.put("rod.toml", rewound("twisting", "twist = -1.5", [("helix", 30, 1, 200), ("axial", 90, 1, 200)]));
+    desk.put("bender.toml", rewound("bending", "bend_angle = \"30 deg\"", [("hoops", 3, 2, 200), ("helix", 40, 1, 2)]));
+    let rows = |scene: &str| {
+        let json = desk.softlimb(&format!("fea compare {scene} --json --svg {scene}.svg")).done().json();
+        json["rows"].as_array().expect("rows").clone()
+    };
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    for row in rows("rod.toml") {
+        assert!(number(&row["analytic_difference"]).abs() < 1e-4 && number(&row["section"]).abs() > 0.01, "{row}");
+    }
+    let bends = rows("bender.toml");
+    for row in &bends {
+        assert!(row["analytic"].is_null() && row["analytic_difference"].is_null(), "{row}");
+        let [cubic, section] = ["calibrated", "section"].map(|key| number(&row[key]));
+        assert!(section > 1.0 && (cubic / section - 1.0).abs() < 0.02, "{row}");
+    }
+    let calibrated = |scene: &str| {
+        let answer = desk.softlimb(&format!("fea calibrate {scene} --json"));
+        answer.done().json()["modules"][0].clone()
+    };
+    let module = calibrated("bender.toml");
+    let [a, b, c] = [0, 1, 2].map(|k| number(&module["bending"]["coefficients_pa"][k]));
+    for row in &bends[2..] {
+        let phi = number(&row["section"]).to_radians();
+        let pressure_pa = phi * (a + phi * (b + phi * c));
+        assert!((pressure_pa / (1e3 * number(&row["pressure_kpa"])) - 1.0).abs() < 0.02, "{row} {pressure_pa}");
+    }
+    assert!(number(&module["ends"]["axial"]["delta_m"]) > 0.0, "{module}");
+    let module = calibrated("rod.toml");
+    assert!(module["bending"].is_null() && number(&module["ends"]["twist"]["delta_m"]) > 0.0, "{module}");
+    let answer = desk.softlimb("fea calibrate rod.toml --thread 772,3,0.178");
+    assert_eq!(answer.code, Some(3), "{answer:?}");
+    assert!(answer.out.contains("thread: the module has two windings"), "{answer:?}");
 }
 
 #[test]

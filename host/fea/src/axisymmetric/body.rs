@@ -127,8 +127,9 @@ impl Body {
         let element = self.element(at, values);
         let mut share = Box::new(Share::NONE);
         element.add_wall(&self.wall, &mut share)?;
-        let sheet = self.wall.sheet.map(|(radius, winding)| (radius, f64::INFINITY, winding));
-        for (radius, end, winding) in sheet.iter().chain(&self.band) {
+        let sheets = self.wall.sheets.iter().map(|(radius, winding)| (*radius, f64::INFINITY, winding));
+        let band = self.band.iter().map(|(radius, end, winding)| (*radius, *end, winding));
+        for (radius, end, winding) in sheets.chain(band) {
             let is_covered = self.mesh.places[at[1] + 1] <= end * (1.0 + 1e-12);
             let is_at = |place: f64| is_covered && (place - radius).abs() < 1e-9;
             if is_at(self.mesh.radii[at[0] + 1]) {

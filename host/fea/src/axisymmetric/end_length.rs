@@ -6,6 +6,7 @@ use super::body::{Body, Shaped};
 use super::mesh::{EndOfWall, Mesh};
 use super::wall::Wall;
 use super::{MeridianError, across};
+use crate::cross_section::is_wound_bender;
 use softlimb_files::range::positive;
 
 /// Elements across the wall, of the coarser of two meshes.
@@ -17,7 +18,7 @@ const LONGEST: f64 = 0.5;
 const MOST: f64 = 200.0;
 /// Smallest part of the largest strain at mid-length that a motion must be to have an end length.
 const LEAST_SHARE: f64 = 0.2;
-/// Modulus of the winding of a bending actuator over that of its wall: it keeps its radius.
+/// Modulus of an unstated winding of a bending actuator over that of its wall: it keeps its radius.
 const STIFF: f64 = 1e4;
 
 /// The length at each end that does not take part: an actuator of length `L` between bonded caps moves as one of length `L - 2 delta`
@@ -43,18 +44,27 @@ pub struct EndLength {
     pub twist_rate_rad_per_m: f64,
 }
 
-/// The end lengths of an actuator at a gauge pressure, Pa.
+/// The end lengths of an actuator with one or two windings at a gauge pressure, Pa.
 ///
-/// A bending actuator is taken as the tube with its hoop winding alone, without the limiting layer: the cap does the same to it.
+/// A bending actuator is taken as the tube with its windings alone, without the limiting layer: the cap does the same to it. A winding without
+/// a modulus is hoops that keep their radius.
 ///
 /// # Errors
-/// [`MeridianError`].
-pub fn end_length(parameters: &ActuatorParameters<f64>, pressure_pa: f64) -> Result<EndLength, MeridianError> {
+/// [`MeridianError`]; the fields of the second winding are `second_fiber.*`.
+pub fn end_length(
+    parameters: &ActuatorParameters<f64>,
+    second_fiber: Option<&Fiber<f64>>,
+    pressure_pa: f64,
+) -> Result<EndLength, MeridianError> {
     Actuator::new(parameters)?;
     positive("pressure_pa", pressure_pa)?;
     let tube = straight(parameters);
-    let coarse = lengths(&tube, pressure_pa, ACROSS)?;
-    let fine = lengths(&tube, pressure_pa, 2 * ACROSS)?;
+    let actuator = Actuator::new(&tube)?;
+    if let Some(second) = second_fiber {
+        actuator.with_second_fiber(second)?;
+    }
+    let coarse = lengths(&tube, second_fiber, pressure_pa, ACROSS)?;
+    let fine = lengths(&tube, second_fiber, pressure_pa, 2 * ACROSS)?;
     let unit = tube.inner_radius_m;
     let [axial_strain, twist_rate, hoop_strain] = fine.middle;
     let delta = |motion: usize| {
@@ -70,8 +80,9 @@ pub fn end_length(parameters: &ActuatorParameters<f64>, pressure_pa: f64) -> Res
 
 /// The tube whose ends are those of an actuator.
 fn straight(parameters: &ActuatorParameters<f64>) -> ActuatorParameters<f64> {
-    if parameters.motion != Motion::Bending {
-        return *parameters;
+    let tube = ActuatorParameters { motion: Motion::Extension, ..*parameters };
+    if parameters.motion != Motion::Bending || is_wound_bender(parameters) {
+        return tube;
     }
     let radius_m = parameters.fiber.map_or(parameters.outer_radius_m, |fiber| fiber.radius_m);
     let fiber = Fiber {
@@ -82,7 +93,7 @@ fn straight(parameters: &ActuatorParameters<f64>) -> ActuatorParameters<f64> {
         thickness_m: 0.1 * (parameters.outer_radius_m - parameters.inner_radius_m),
         radius_m,
     };
-    ActuatorParameters { motion: Motion::Extension, fiber: Some(fiber), ..*parameters }
+    ActuatorParameters { fiber: Some(fiber), ..tube }
 }
 
 struct Lengths {
@@ -90,11 +101,16 @@ struct Lengths {
     middle: [f64; 3],
 }
 
-fn lengths(tube: &ActuatorParameters<f64>, pressure_pa: f64, count: usize) -> Result<Lengths, MeridianError> {
+fn lengths(
+    tube: &ActuatorParameters<f64>,
+    second_fiber: Option<&Fiber<f64>>,
+    pressure_pa: f64,
+    count: usize,
+) -> Result<Lengths, MeridianError> {
     let (unit, modulus) = (tube.inner_radius_m, tube.material.shear_modulus_pa());
     let (outer, half) = (tube.outer_radius_m / unit, 0.5 * tube.length_m / unit);
-    let wall = Wall::new(tube);
-    let radii = across(outer, wall.edge(), count);
+    let wall = Wall::new(tube, second_fiber);
+    let radii = across(outer, &wall.edges(), count);
     let places = along(half, (outer - 1.0) / count as f64);
     let body = Body { wall, mesh: Mesh { radii, places }, end: EndOfWall::Bonded, band: None };
     let shaped: Shaped = body

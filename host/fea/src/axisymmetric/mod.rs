@@ -69,13 +69,17 @@ impl From<InvalidParameter<f64>> for MeridianError {
     }
 }
 
-/// Corners across a wall with a line at an edge, in parts not longer than the wall over `count`.
-fn across(outer: f64, edge: Option<f64>, count: usize) -> Vec<f64> {
+/// Corners across a wall with a line at each of some edges, in rising order, in parts not longer than the wall over `count`.
+fn across(outer: f64, edges: &[f64], count: usize) -> Vec<f64> {
     let most = (outer - 1.0) / count as f64;
     let mut corners = vec![1.0];
-    let edge = edge.filter(|edge| *edge > 1.0 + 1e-9 && *edge < outer - 1e-9);
-    for to in edge.into_iter().chain([outer]) {
+    let inside = edges.iter().copied().filter(|edge| *edge < outer - 1e-9);
+    for to in inside.chain([outer]) {
         let from = corners[corners.len() - 1];
+        // An edge on the inner face, or where there is one already.
+        if to <= from + 1e-9 {
+            continue;
+        }
         let number = ((to - from) / most * (1.0 - 1e-12)).ceil().max(1.0) as usize;
         corners.extend(evenly(from, to, number).skip(1));
     }

@@ -92,7 +92,7 @@ fn strain(
     let radius = tube.fiber.map_or(outer, |fiber| fiber.radius_m / unit);
     let (half, edge) = (0.5 * thread.spacing_m / unit, 0.5 * thread.width_m / unit);
     // The radius of a thread within the wall is a mesh line, and the elements get small towards it.
-    let radii = refined(across(outer, Some(radius), ACROSS * finer), radius, edge / (ON_THREAD * finer) as f64);
+    let radii = refined(across(outer, &[radius], ACROSS * finer), radius, edge / (ON_THREAD * finer) as f64);
     let mut places: Vec<f64> = evenly(0.0, edge, ON_THREAD * finer).collect();
     places.extend(growing(edge, half, edge / (ON_THREAD * finer) as f64).into_iter().skip(1));
     let per_area = thread.stiffness_n / (4.0 * thread.width_m) / (modulus * unit);
@@ -100,7 +100,7 @@ fn strain(
     // Two families in one direction share the modulus.
     let winding = Winding { modulus: 0.5 * winding.modulus, ..winding };
     let body = Body {
-        wall: Wall::new(&ActuatorParameters { fiber: None, ..*tube }),
+        wall: Wall::new(&ActuatorParameters { fiber: None, ..*tube }, None),
         mesh: Mesh { radii, places },
         end: EndOfWall::Mirror,
         band: Some((radius, edge, winding)),

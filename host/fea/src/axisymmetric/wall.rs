@@ -90,9 +90,9 @@ pub(super) fn determinant(f: &Gradient) -> (f64, Gradient) {
 pub(super) struct Wall {
     elastomer: Elastomer,
     /// Fibers within the wall from a radius on.
-    layer: Option<(f64, Winding)>,
+    layers: Vec<(f64, Winding)>,
     /// Fibers on a surface: its radius; the modulus is per area.
-    pub(super) sheet: Option<(f64, Winding)>,
+    pub(super) sheets: Vec<(f64, Winding)>,
 }
 
 /// Fibers of one or two families.
@@ -105,37 +105,39 @@ pub(super) struct Winding {
 }
 
 impl Wall {
-    pub(super) fn new(parameters: &ActuatorParameters<f64>) -> Self {
+    /// `second` is a winding beside that of the parameters.
+    pub(super) fn new(parameters: &ActuatorParameters<f64>, second: Option<&Fiber<f64>>) -> Self {
         let unit = parameters.material.shear_modulus_pa();
-        let fiber = parameters.fiber.filter(|fiber| fiber.modulus_pa > 0.0);
         let winding = |fiber: &Fiber<f64>, modulus: f64| {
             let (sin, cos) = fiber.angle_rad.sin_cos();
             Winding { modulus, cos, sin, families: fiber.families }
         };
-        let mut wall = Self { elastomer: Elastomer::of(&parameters.material), layer: None, sheet: None };
-        if let Some(fiber) = &fiber {
+        let mut wall = Self { elastomer: Elastomer::of(&parameters.material), layers: Vec::new(), sheets: Vec::new() };
+        for fiber in parameters.fiber.iter().chain(second).filter(|fiber| fiber.modulus_pa > 0.0) {
             let (modulus, radius) = (fiber.modulus_pa / unit, fiber.radius_m / parameters.inner_radius_m);
             match fiber.placement {
-                Placement::Smeared => wall.layer = Some((0.0, winding(fiber, modulus))),
-                Placement::Layer => wall.layer = Some((radius, winding(fiber, modulus))),
+                Placement::Smeared => wall.layers.push((0.0, winding(fiber, modulus))),
+                Placement::Layer => wall.layers.push((radius, winding(fiber, modulus))),
                 Placement::Sheet => {
                     let per_area = modulus * fiber.thickness_m / parameters.inner_radius_m;
-                    wall.sheet = Some((radius, winding(fiber, per_area)));
+                    wall.sheets.push((radius, winding(fiber, per_area)));
                 }
             }
         }
         wall
     }
 
-    /// Whether the wall twists under pressure.
+    /// Whether the wall may twist under pressure.
     pub(super) fn twists(&self) -> bool {
         let one = |winding: &Winding| winding.families == Families::One && winding.sin * winding.cos != 0.0;
-        self.layer.iter().chain(&self.sheet).any(|(_, winding)| one(winding))
+        self.layers.iter().chain(&self.sheets).any(|(_, winding)| one(winding))
     }
 
-    /// The radius where fibers begin, if that is within the wall.
-    pub(super) fn edge(&self) -> Option<f64> {
-        self.layer.iter().chain(&self.sheet).map(|(radius, _)| *radius).next()
+    /// The radii where fibers lie or begin, in rising order.
+    pub(super) fn edges(&self) -> Vec<f64> {
+        let mut radii: Vec<f64> = self.layers.iter().chain(&self.sheets).map(|(radius, _)| *radius).collect();
+        radii.sort_by(f64::total_cmp);
+        radii
     }
 
     /// The energy per volume of the wall at a radius, the constraint left out.
@@ -146,7 +148,7 @@ impl Wall {
         let mut identity = [[0.0; PARTS]; PARTS];
         (0..PARTS).for_each(|i| identity[i][i] = 2.0);
         energy.add(w, &twice, &identity);
-        if let Some((_, winding)) = self.layer.filter(|(inner, _)| radius > *inner) {
+        for (_, winding) in self.layers.iter().filter(|(inner, _)| radius > *inner) {
             winding.add_to(&mut energy, f);
         }
         energy
@@ -170,7 +172,7 @@ pub(super) mod tests {
     /// A wall and a sheet with everything there is.
     pub(crate) fn anything() -> (Wall, Winding) {
         let winding = Winding { modulus: 3.0, cos: 0.8, sin: 0.6, families: Families::One };
-        (Wall { elastomer: Elastomer { c: [0.5, 0.07, -0.01] }, layer: Some((0.0, winding)), sheet: None }, winding)
+        (Wall { elastomer: Elastomer { c: [0.5, 0.07, -0.01] }, layers: vec![(0.0, winding)], sheets: vec![] }, winding)
     }
 
     /// Starts of the directions of tests.
@@ -182,7 +184,7 @@ pub(super) mod tests {
         let x = f.iter().flatten().map(|entry| entry.squared()).sum::<HyperDual>() - 3.0;
         let minor = |i: usize, j: usize| f[1][i] * f[2][j] - f[1][j] * f[2][i];
         let volume = f[0][0] * minor(1, 2) + f[0][1] * minor(2, 0) + f[0][2] * minor(0, 1);
-        let fibers = wall.layer.map_or(HyperDual::default(), |(_, winding)| second_fibers(&winding, f));
+        let fibers: HyperDual = wall.layers.iter().map(|(_, winding)| second_fibers(winding, f)).sum();
         x * c1 + x.squared() * c2 + x * x * x * c3 + fibers - pressure * (volume - 1.0)
     }
 
@@ -202,7 +204,7 @@ pub(super) mod tests {
         let parts: Gradient = [1.1, 0.2, -0.3, 0.9, 0.25, -0.15, 1.2];
         for families in [Families::One, Families::Two] {
             let (mut wall, winding) = anything();
-            wall.layer = Some((0.0, Winding { families, ..winding }));
+            wall.layers = vec![(0.0, Winding { families, ..winding })];
             let mut found = wall.energy(1.0, &parts);
             found.add_pressure(0.7, &parts);
             for i in 0..PARTS {

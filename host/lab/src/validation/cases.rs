@@ -50,6 +50,7 @@ fn case(
             material,
             fiber: Some(fiber),
         },
+        second_fiber: None,
         pressures_pa: (1..=PRESSURES).map(|k| 1e3 * step_kpa * k as f64).collect(),
     }
 }

@@ -48,8 +48,7 @@ struct Found<'a> {
 impl Calibrate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let thread = self.thread()?;
-        let (scene, limb) = limb(&self.scene)?;
-        scene.require_one_winding("`fea`")?;
+        let (_, limb) = limb(&self.scene)?;
         let wanted = |module: &&LimbModule| self.module.as_ref().is_none_or(|name| *name == module.name);
         let modules: Vec<_> = limb.modules().iter().filter(wanted).collect();
         if modules.is_empty() {
@@ -75,9 +74,13 @@ impl Calibrate {
 }
 
 fn find<'a>(module: &'a LimbModule, thread: Option<&Thread>) -> Result<Found<'a>, Failure> {
-    let (parameters, highest_pa) = (module.actuator.parameters(), module.pressure_max_pa);
-    let calibrate =
-        || Section::new(parameters, &Options::default())?.calibrate([CALIBRATED_FROM * highest_pa, highest_pa]);
+    let (parameters, second, highest_pa) =
+        (module.actuator.parameters(), module.second_fiber(), module.pressure_max_pa);
+    let section = || match second {
+        None => Section::new(parameters, &Options::default()),
+        Some(second) => Section::with_two_windings(parameters, second, &Options::default()),
+    };
+    let calibrate = || section()?.calibrate([CALIBRATED_FROM * highest_pa, highest_pa]);
     let bending = (module.motion == Motion::Bending).then(|| calibrate().map_err(|error| error.to_string()));
     let sheet = match thread.map(|thread| (thread, not_hooped(module))) {
         None => None,
@@ -87,14 +90,17 @@ fn find<'a>(module: &'a LimbModule, thread: Option<&Thread>) -> Result<Found<'a>
             found => Some(found.map_err(|error| error.to_string())),
         },
     };
-    let ends = end_length(parameters, highest_pa).map_err(|error| error.to_string());
-    let moderate = end_length(parameters, MODERATE * highest_pa).ok();
+    let ends = end_length(parameters, second, highest_pa).map_err(|error| error.to_string());
+    let moderate = end_length(parameters, second, MODERATE * highest_pa).ok();
     let own = moderate.and_then(|ends| if module.motion == Motion::Twisting { ends.twist } else { ends.axial });
     Ok(Found { module, bending, ends, end_m: own.map(|delta| delta.delta_m), sheet })
 }
 
-/// Why a module's winding is none of rings of thread.
+/// Why a module's winding is not one of rings of thread.
 fn not_hooped(module: &LimbModule) -> Option<String> {
+    if module.second_fiber().is_some() {
+        return Some("the module has two windings, and the thread could be either".to_owned());
+    }
     let fiber = module.actuator.parameters().fiber?;
     let angle = fiber.angle_rad.abs();
     if angle > HOOP_RAD {

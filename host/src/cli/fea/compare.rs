@@ -59,11 +59,11 @@ impl Compare {
     }
 
     fn cases(&self) -> Result<Vec<Case>, Failure> {
-        let (scene, limb) = limb(&self.scene)?;
-        scene.require_one_winding("`fea`")?;
+        let (_, limb) = limb(&self.scene)?;
         let case = |module: &LimbModule| Case {
             name: module.name.clone(),
             parameters: *module.actuator.parameters(),
+            second_fiber: module.second_fiber().copied(),
             pressures_pa: (1..=STEPS).map(|k| module.pressure_max_pa * k as f64 / STEPS as f64).collect(),
         };
         Ok(limb.modules().iter().map(case).collect())
