@@ -32,6 +32,14 @@ InputName: TypeAlias = Literal[
     "fiber.modulus_pa",
     "fiber.thickness_m",
     "fiber.radius_m",
+    "fiber[0].angle_rad",
+    "fiber[0].modulus_pa",
+    "fiber[0].thickness_m",
+    "fiber[0].radius_m",
+    "fiber[1].angle_rad",
+    "fiber[1].modulus_pa",
+    "fiber[1].thickness_m",
+    "fiber[1].radius_m",
     "pressure_pa",
     "external_force_n",
     "external_torque_nm",
@@ -44,7 +52,11 @@ _INPUTS: dict[str, str] = {
     "length_m": "length_m",
     "material.shear_modulus_pa": "shear_modulus_pa",
     **{f"material.c{i + 1}_pa": f"c_pa[{i}]" for i in range(3)},
-    **{f"fiber.{name}": name for name in ("angle_rad", "modulus_pa", "thickness_m", "radius_m")},
+    **{
+        f"{place}.{name}": f"{prefix}{name}"
+        for place, prefix in (("fiber", ""), ("fiber[0]", ""), ("fiber[1]", "second_fiber."))
+        for name in ("angle_rad", "modulus_pa", "thickness_m", "radius_m")
+    },
     **{name: name for name in ("pressure_pa", "external_force_n", "external_torque_nm")},
 }
 
@@ -207,7 +219,7 @@ class Actuator:
         Raises:
             InvalidParameter: A value is not accepted, or the motion does not have this deformation.
             TypeError: Not exactly one target.
-            ValueError: Arrays do not broadcast, or the actuators have two windings.
+            ValueError: Arrays do not broadcast.
         """
         name, value = only(
             axial_stretch=axial_stretch,
@@ -251,7 +263,7 @@ class Actuator:
         pressure follows: ``pressure_pa`` of the answer is its derivative.
 
         Args:
-            of: The input, such as ``"fiber.angle_rad"``.
+            of: The input, such as ``"fiber.angle_rad"``; of a pair of windings ``"fiber[0].angle_rad"`` and ``"fiber[1].angle_rad"``.
             pressure_pa: Gauge pressure, Pa. Give exactly one of this and the targets of :meth:`inverse`.
             external_force_n: As in :meth:`forward`, like ``external_torque_nm``.
 
@@ -261,7 +273,7 @@ class Actuator:
         Raises:
             InvalidParameter: A value is not accepted, or ``of`` is no input of every actuator: a bare tube has no fiber angle.
             TypeError: Not exactly one of pressure and targets.
-            ValueError: Arrays do not broadcast, or the actuators have two windings.
+            ValueError: Arrays do not broadcast.
         """
         name, value = only(
             pressure_pa=pressure_pa,
@@ -295,7 +307,7 @@ class Actuator:
 
         Raises:
             InvalidParameter: A value is not accepted, or an actuator bends.
-            ValueError: Arrays do not broadcast, or the actuators have two windings.
+            ValueError: Arrays do not broadcast.
         """
         given = {"pressure_pa": pressure_pa, "axial_stretch": axial_stretch, "twist_rad": twist_rad}
         order = Order(self._shape, {name: floats(name, value) for name, value in given.items()})

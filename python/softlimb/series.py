@@ -132,7 +132,7 @@ class Series:
 
         Raises:
             InvalidParameter: A value is not accepted.
-            ValueError: Arrays do not broadcast, or a segment has two windings.
+            ValueError: Arrays do not broadcast.
         """
         return self._solve("pressure_pa", pressure_pa, loads(external_force_n, external_torque_nm))
 
@@ -156,7 +156,7 @@ class Series:
         Raises:
             InvalidParameter: A value is not accepted, or no segment has this deformation.
             TypeError: Not exactly one target.
-            ValueError: Arrays do not broadcast, or a segment has two windings.
+            ValueError: Arrays do not broadcast.
         """
         name, value = only(extension_m=extension_m, twist_rad=twist_rad, bend_angle_rad=bend_angle_rad)
         return self._solve(name, value, loads(external_force_n, external_torque_nm))

@@ -98,7 +98,7 @@ impl Actuators {
         let (target, loads) = (target(quantity)?, Loads::new(loads, targets.len())?);
         let targets = values(&targets)?;
         let range = range(range_pa);
-        let actuators = self.one_winding("inverse_all")?;
+        let actuators = self.list();
         let all = py.detach(|| {
             range.check().map_err(|error| Refusal::new(0, error))?;
             loads.check()?;
@@ -134,7 +134,7 @@ impl Actuators {
         let (values, loads) = (values(&given)?, Loads::new(loads, given.len())?);
         let fixed = if quantity == "pressure_pa" { Fixed::Pressure } else { Fixed::Target(target(quantity)?) };
         let query = SensitivityQuery { of: parameter(of)?, fixed, values: &values, loads: &loads };
-        let actuators = self.one_winding("sensitivity")?;
+        let actuators = self.list();
         let table = py.detach(|| {
             loads.check()?;
             query.solve(actuators)
@@ -151,7 +151,7 @@ impl Actuators {
         twists_rad: Numbers<'py>,
     ) -> PyResult<Arrays<'py>> {
         let (pressures, stretches, twists) = (values(&pressures_pa)?, values(&stretches)?, values(&twists_rad)?);
-        let actuators = self.one_winding("blocked_force")?;
+        let actuators = self.list();
         if stretches.len() != pressures.len() || twists.len() != pressures.len() {
             return Err(PyValueError::new_err("pressures, stretches and twists differ in number"));
         }
@@ -161,12 +161,9 @@ impl Actuators {
 }
 
 impl Actuators {
-    /// The actuators, for a method that takes one winding or none.
-    ///
-    /// # Errors
-    /// They have two windings.
-    pub(crate) fn one_winding(&self, method: &str) -> PyResult<&[Actuator<f64>]> {
-        self.built.body.one_winding(method)
+    /// The actuators, in the flat order of their array.
+    pub(crate) fn list(&self) -> &[Actuator<f64>] {
+        self.built.body.actuators()
     }
 }
 

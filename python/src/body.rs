@@ -3,8 +3,6 @@
 use std::sync::{Arc, OnceLock};
 
 use fra_model::{Actuator, InvalidParameter, LANES, Motion, PressureRange, Solution, State, Status, Target};
-use pyo3::exceptions::PyValueError;
-use pyo3::prelude::*;
 use softlimb::query::Question;
 use softlimb_limb::batch::ActuatorBatch;
 
@@ -67,20 +65,14 @@ impl Body {
     }
 
     pub(crate) fn len(&self) -> usize {
-        match self {
-            Self::One { actuators, .. } => actuators.0.len(),
-            Self::Two(tubes) => tubes.len(),
-        }
+        self.actuators().len()
     }
 
-    /// The actuators, for a method that takes one winding or none.
-    ///
-    /// # Errors
-    /// They have two windings.
-    pub(crate) fn one_winding(&self, method: &str) -> PyResult<&[Actuator<f64>]> {
+    /// The actuators.
+    pub(crate) fn actuators(&self) -> &[Actuator<f64>] {
         match self {
-            Self::One { actuators, .. } => Ok(actuators.as_ref()),
-            Self::Two(_) => Err(PyValueError::new_err(format!("{method} takes actuators with one winding or none"))),
+            Self::One { actuators, .. } => actuators.as_ref(),
+            Self::Two(tubes) => tubes,
         }
     }
 }
@@ -139,22 +131,14 @@ impl Built {
     ) -> Result<Answers, Refusal> {
         // Finite elements take a processor as long as thousands of analytic answers.
         let part = if choice == Choice::SectionFe { 1 } else { FEW };
+        let actuators = self.body.actuators();
         Table::filled(rows, rows, part, |piece| {
             for row in 0..piece.rows() {
                 let i = piece.from + row;
                 let query = Query { question: question(i), range, load: loads.at(i) };
-                let (answer, parameters) = match &self.body {
-                    Body::One { actuators, .. } => {
-                        let actuator = &actuators.0[i % actuators.0.len()];
-                        (query.of(actuator, choice), actuator.parameters())
-                    }
-                    Body::Two(tubes) => {
-                        let tube = &tubes[i % tubes.len()];
-                        (query.of_two_windings(tube), tube.parameters())
-                    }
-                };
-                let answer = answer.map_err(|error| Refusal::of_section(i, error))?;
-                answer.write(piece, row, parameters, self.stretch_max(i));
+                let actuator = &actuators[i % actuators.len()];
+                let answer = query.of(actuator, choice).map_err(|error| Refusal::of_section(i, error))?;
+                answer.write(piece, row, actuator.parameters(), self.stretch_max(i));
             }
             Ok(())
         })

@@ -63,7 +63,7 @@ pub(crate) fn solve_series<'py>(
         _ => return Err(PyValueError::new_err(format!("{quantity:?} is no quantity of a series"))),
     };
     let parts = segments.iter().map(|(actuators, index, direction)| {
-        let actuators = actuators.one_winding("a series")?;
+        let actuators = actuators.list();
         let index: Vec<usize> =
             index.as_slice()?.iter().map(|index| usize::try_from(*index).unwrap_or(usize::MAX)).collect();
         let direction_rad = values(direction)?;

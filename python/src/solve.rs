@@ -128,21 +128,13 @@ impl Query {
         }
     }
 
-    /// The answer of a tube with two windings.
-    pub(crate) fn of_two_windings(&self, tube: &Actuator<f64>) -> Result<Answer, SectionError> {
-        let solution = match self.question {
-            Question::Forward { pressure_pa } => tube.forward(pressure_pa, &self.load),
-            Question::Inverse { target } => tube.inverse_within(&self.range, target, &self.load),
-        };
-        Ok(Answer::analytic(&solution?, Some(0.0)))
-    }
-
     /// The answer of the chosen model.
     pub(crate) fn of(&self, actuator: &Actuator<f64>, choice: Choice) -> Result<Answer, SectionError> {
         let parameters = actuator.parameters();
         let by_section = || {
             let Self { question, range, load } = *self;
-            let answer = solve_section(&SectionQuery { parameters, second_fiber: None, question, range, load })?;
+            let second_fiber = actuator.second_fiber();
+            let answer = solve_section(&SectionQuery { parameters, second_fiber, question, range, load })?;
             Ok(Answer::of_section(&answer, parameters.motion, &actuator.rest()))
         };
         if choice == Choice::SectionFe {

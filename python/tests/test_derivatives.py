@@ -94,8 +94,55 @@ def test_second_winding_is_named_in_errors(tube):
     with pytest.raises(InvalidParameter) as caught:
         tube(fiber=pair)
     assert (caught.value.field, caught.value.index) == ("fiber[1].angle_rad", (1,))
-    with pytest.raises(ValueError, match="one winding"):
-        tube(fiber=(pair[0], pair[0])).blocked_force(1e4)
+    with pytest.raises(InvalidParameter, match=r"fiber\[1\].angle_rad"):
+        tube(fiber=pair[0]).sensitivity("fiber[1].angle_rad", pressure_pa=1e4)
+
+
+def helix_and_axial(tube, angle=0.5, axial=np.pi / 2):
+    windings = (Fiber(angle_rad=turn, families=1, **THREAD) for turn in (angle, axial))
+    return tube(motion="twisting", fiber=tuple(windings))
+
+
+def test_blocked_loads_of_two_windings(tube):
+    pair = tuple(Fiber(angle_rad=angle, families=1, **THREAD) for angle in (0.4, -0.4))
+    one = Fiber(angle_rad=0.4, families=2, **THREAD)
+    at = dict(axial_stretch=[0.99, 1.03], twist_rad=0.2)
+    two, both = (tube(fiber=fiber).blocked_force(2e4, **at) for fiber in (pair, one))
+    assert two.status.tolist() == [Status.OK] * 2
+    for name in ("force_n", "torque_nm", "by_pressure", "stiffness", "volume_m3"):
+        expected = getattr(both, name)
+        np.testing.assert_allclose(getattr(two, name), expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max(), err_msg=name)
+    # Free ends carry nothing.
+    rod = helix_and_axial(tube)
+    free = rod.forward(2e4)
+    held = rod.blocked_force(2e4, axial_stretch=free.axial_stretch, twist_rad=free.twist_rad)
+    stiff = rod.blocked_force(2e4)
+    assert abs(held.force_n) < 1e-7 * abs(stiff.force_n) and abs(held.torque_nm) < 1e-7 * abs(stiff.torque_nm)
+
+
+def test_derivatives_by_either_winding_are_the_limits_of_differences(tube):
+    step = 1e-5
+    for of, ahead, behind in (
+        ("fiber[0].angle_rad", dict(angle=0.5 + step), dict(angle=0.5 - step)),
+        ("fiber.angle_rad", dict(angle=0.5 + step), dict(angle=0.5 - step)),
+        ("fiber[1].angle_rad", dict(axial=1.5 + step), dict(axial=1.5 - step)),
+    ):
+        exact = helix_and_axial(tube, axial=1.5 if "1" in of else np.pi / 2).sensitivity(of, pressure_pa=2e4)
+        whole = dict(axial=1.5) if "1" in of else {}
+        ahead, behind = (helix_and_axial(tube, **{**whole, **changed}).forward(2e4) for changed in (ahead, behind))
+        for name in ("axial_stretch", "twist_rad", "volume_m3"):
+            difference = (getattr(ahead, name) - getattr(behind, name)) / (2 * step)
+            assert getattr(exact, name) == pytest.approx(difference, rel=1e-5), (of, name)
+            assert difference != 0
+
+
+def test_finite_elements_and_all_solutions_know_both_windings(tube):
+    rod = helix_and_axial(tube)
+    analytic, elements = (rod.forward(2e4, model=model) for model in ("analytic", "section-fe"))
+    assert elements.model == Model.SECTION_FE
+    assert elements.twist_rad == pytest.approx(analytic.twist_rad, rel=1e-5)
+    found = rod.inverse_all(twist_rad=analytic.twist_rad, pressure_range_pa=(0, 1e5))
+    assert found.count == 1 and found.pressure_pa[..., 0] == pytest.approx(2e4, rel=1e-8)
 
 
 def test_leaning_windings_of_benders_agree_with_finite_elements(tube):

@@ -94,6 +94,22 @@ def test_inverse_of_series_is_that_of_eval(tmp_path):
     np.testing.assert_allclose(twice.tip_position_m, [radius * (1 - np.cos(angle)), 0.0, radius * np.sin(angle)], atol=1e-12)
 
 
+def test_halves_with_two_windings_are_the_whole():
+    windings = tuple(Fiber(**{**WOUND, "angle_rad": angle, "families": 1}) for angle in (0.5, np.pi / 2))
+
+    def rod(length_m):
+        return Actuator(motion="twisting", length_m=length_m, material=SILICONE, fiber=windings, **SIZES)
+
+    whole, pressures = rod(0.12), np.array([5e3, 2e4])
+    expected = whole.forward(pressures, external_force_n=0.5)
+    found = Series([rod(0.04), rod(0.08)]).forward(pressures, external_force_n=0.5)
+    assert found.status.tolist() == [Status.OK] * 2
+    np.testing.assert_allclose(found.twist_rad, expected.twist_rad, rtol=1e-10)
+    np.testing.assert_allclose(found.length_m, 0.12 * expected.axial_stretch, rtol=1e-12)
+    back = Series([rod(0.04), rod(0.08)]).inverse(twist_rad=expected.twist_rad, external_force_n=0.5)
+    np.testing.assert_allclose(back.pressure_pa, pressures, rtol=1e-8)
+
+
 @pytest.mark.parametrize(
     ("make", "field"),
     [
