@@ -36,6 +36,7 @@ const ARROWS: &[(&str, &str)] = &[
     ("softlimb-limb", "softlimb-scene"),
     ("softlimb-design", "fra-model"),
     ("softlimb-design", "softlimb-chart"),
+    ("softlimb-design", "softlimb-fea"),
     ("softlimb-design", "softlimb-files"),
     ("softlimb-design", "softlimb-limb"),
     ("softlimb-design", "softlimb-numerics"),

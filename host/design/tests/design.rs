@@ -8,3 +8,4 @@ mod hard_cases;
 mod optima;
 mod ridge;
 mod wide_lines;
+mod wound;

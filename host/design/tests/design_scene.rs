@@ -200,3 +200,83 @@ fn entries_beyond_a_design_are_shown_at_their_line() {
     let error = targets(&read(&format!("{steering}{OPEN}"))).unwrap_err().render(false);
     assert!(error.contains("a steering module is designed under weight") && error.contains("[[module]]"), "{error}");
 }
+
+/// A module with two windings, its motion and target, and open sizes.
+fn wound_twice(motion: &str, windings: [&str; 2], target: &str) -> Scene {
+    let [first, second] = windings;
+    read(&format!(
+        r#"
+format = 1
+name = "wound"
+weight = {{ simulated = false, compensated = false }}
+materials.silicone = {{ law = "neo-hookean", shear_modulus = "0.2 MPa" }}
+limb.connector = {{ length = 0, mass = 0 }}
+
+[windings.first]
+{first}
+thickness = "0.1 mm"
+[windings.second]
+{second}
+thickness = "0.1 mm"
+
+[[module]]
+name = "rod"
+motion = "{motion}"
+actuators = 1
+inner_radius = "6 mm"
+outer_radius = "9 mm"
+length = "150 mm"
+material = "silicone"
+winding = ["first", "second"]
+pressure_max = "80 kPa"
+
+[[phase]]
+name = "move"
+targets = {{ rod = {{ {target} }} }}
+
+[design]
+inner_radius = ["6 mm", "10 mm"]
+wall = ["2 mm", "4 mm"]
+length = ["100 mm", "250 mm"]
+fiber_angle = ["15 deg", "40 deg"]
+"#
+    ))
+}
+
+/// Straight and bending modules with a second winding that keeps its angle: finite elements of the designed module have what was asked at the
+/// pressure found, and the planner takes that pressure.
+#[test]
+fn modules_with_two_windings_are_designed() {
+    use fra_model::Motion;
+    use softlimb_fea::cross_section::{EndLoad, Options, Section};
+    let soft = "angle = \"3 deg\"\nfamilies = 2\nmodulus = \"10 MPa\"";
+    let helix = "angle = \"40 deg\"\nfamilies = 1\nmodulus = \"2 MPa\"";
+    let steep = "angle = \"30 deg\"\nfamilies = 1\nmodulus = \"200 MPa\"";
+    let axial = "angle = \"90 deg\"\nfamilies = 1\nmodulus = \"200 MPa\"";
+    for (motion, windings, target, wanted) in [
+        ("bending", [soft, helix], "bend_angle = \"75 deg\"", 75f64.to_radians()),
+        ("twisting", [steep, axial], "twist = -1.9", -1.9),
+    ] {
+        let scene = wound_twice(motion, windings, target);
+        let problem = targets(&scene).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        let answer = fit::solve(&problem, &fit::Budget::default()).unwrap();
+        assert_eq!(answer.status, "reached", "{answer:?}");
+        let (modules, values) = redesigned_targets(&scene, &answer);
+        let designed = read(&scene::redesigned(&scene, &modules, Some(&values)).unwrap());
+        let module = &designed.modules()[0];
+        let second = module.second_fiber.expect("kept");
+        let own = scene.modules()[0].second_fiber.expect("stated");
+        assert_eq!((second.angle_rad, second.modulus_pa), (own.angle_rad, own.modulus_pa));
+        assert_eq!(second.radius_m, *module.outer_radius_m);
+        let pressure_pa = answer.segments[0].phases[0].pressure_pa;
+        let section = Section::with_two_windings(&module.actuator(), &second, &Options::default()).unwrap();
+        let curve = section.curve(&[pressure_pa], &EndLoad::default()).unwrap();
+        let state = curve.answers[0].equilibrium().unwrap().state.over(*module.length_m);
+        let found = if *module.motion == Motion::Bending { state.bend_angle_rad } else { state.twist_rad };
+        assert!((found / wanted - 1.0).abs() < 1e-4, "{motion}: {found} {wanted}");
+        let limb = Limb::new(&designed).unwrap();
+        let plan = motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        let states = plan.states_at(plan.duration_us() as f64);
+        assert!((states[0].pressure_pa / pressure_pa - 1.0).abs() < 1e-5, "{motion}: {states:?} {pressure_pa}");
+    }
+}

@@ -97,7 +97,7 @@ fn tilt_of_a_carried_object_is_checked_and_printed() {
     desk("29 deg").softlimb("check scene.toml").failed(1, words);
 }
 
-/// A twist rod with a helix and an axial thread is checked; commands that compute with one winding point at the second.
+/// A twist rod with a helix and an axial thread is checked and designed; the design under weight points at the second winding.
 #[test]
 fn two_windings_are_checked_and_otherwise_refused_at_the_line() {
     let thread = |name: &str, angle_deg: u32| {
@@ -114,10 +114,24 @@ fn two_windings_are_checked_and_otherwise_refused_at_the_line() {
     desk.put("data.csv", "");
     let json = desk.softlimb("check scene.toml --json").done().json();
     assert!(json["modules"][0]["tables"] == true, "{json}");
-    let line = 1 + scene[..scene.find("winding = [").expect("wound twice")].matches('\n').count();
-    let place = format!("scene.toml:{line}:");
-    let refused = "`finger` has two windings, and `design limb` takes one";
-    desk.softlimb("design limb scene.toml --out designed.toml").failed(1, &[refused, &place, "[\"helix\", \"axial\"]"]);
+    let (from, to) = ("twist = -1.5", "twist = -1.4");
+    assert!(scene.contains(from));
+    desk.put("open.toml", format!("{}\n[design]\nfiber_angle = [\"20 deg\", \"40 deg\"]\n", scene.replace(from, to)));
+    let designed = desk.softlimb("design limb open.toml --out designed.toml --json").done().json();
+    let checked = desk.softlimb("check designed.toml --json").done().json();
+    let pressure_pa = &designed["answer"]["segments"][0]["phases"][0]["pressure_pa"];
+    let found_pa = &checked["modules"][0]["highest_pressure_pa"];
+    let share = pressure_pa.as_f64().expect("a pressure") / found_pa.as_f64().expect("a pressure");
+    assert!((share - 1.0).abs() < 1e-5, "{designed} {checked}");
+    std::fs::remove_file(desk.path("open.toml")).expect("a scene");
+    std::fs::remove_file(desk.path("designed.toml")).expect("a scene");
+    let under_weight = scene.replace("[weight]\nsimulated = false\n", "");
+    let led = under_weight.replace("targets = { finger = { twist = -1.5 } }", "tip = [0.0, 0.0, 0.5]");
+    assert_ne!(led, under_weight);
+    desk.put("led.toml", &led);
+    let refused = "`finger` has two windings, and `design limb` under weight takes one";
+    desk.softlimb("design limb led.toml --out designed.toml").failed(1, &[refused, "[\"helix\", \"axial\"]"]);
+    std::fs::remove_file(desk.path("led.toml")).expect("a scene");
     assert_eq!(desk.content(), ["data.csv", "scene.toml"]);
     let made = desk.softlimb("fabricate scene.toml --no-mold --out made");
     assert!(matches!(made.code, Some(0 | 3)), "{made:?}");

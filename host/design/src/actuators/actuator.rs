@@ -53,7 +53,7 @@ impl<'a> Candidate<'a> {
     /// `None` where the model cannot take the geometry.
     pub(crate) fn new(segment: &'a Segment, place: &[f64]) -> Option<Self> {
         let geometry = segment.geometry(place);
-        let actuator = Actuator::new(&segment.parameters(&geometry)).ok()?;
+        let actuator = segment.actuator(&geometry).ok()?;
         Some(Self { segment, geometry, actuator })
     }
 
@@ -168,6 +168,12 @@ impl<'a> Candidate<'a> {
         let mut by_outer = by(Parameter::OuterRadius)?;
         if let Some([inner, outer]) = self.segment.winding.and_then(|winding| winding.radius_slopes()) {
             let by_winding = by(Parameter::WindingRadius)?;
+            by_inner += inner * by_winding;
+            by_outer += outer * by_winding;
+        }
+        let second = self.segment.second.filter(|_| self.segment.motion != Motion::Bending);
+        if let Some([inner, outer]) = second.and_then(|(winding, _)| winding.radius_slopes()) {
+            let by_winding = by(Parameter::SecondWindingRadius)?;
             by_inner += inner * by_winding;
             by_outer += outer * by_winding;
         }

@@ -5,10 +5,14 @@ use serde::Serialize;
 
 use super::actuator::{Candidate, Counts};
 use super::problem::{Goal, Problem, Segment};
+use super::refined::refined;
 use super::search::{self, Budget, Found, Progress, SolveCounts};
+use super::section::{Aim, Model, ROUNDS, pressure_pa};
 
 /// An objective below this share of `sum w q^2` is reached: differences below 1e-9 of what was asked.
 const REACHED: f64 = 1e-18;
+/// The same where finite elements have the last word: differences below 1e-5, less than those of two meshes.
+const REACHED_BY_SECTION: f64 = 1e-10;
 /// A variable as near to a bound, as a share of the bounds' distance, is on it.
 const ON_BOUND: f64 = 1e-9;
 
@@ -57,14 +61,26 @@ pub struct PhaseAnswer {
     pub pressure_pa: f64,
     /// What was asked for, m or rad; `None` where nothing was.
     pub target: Option<f64>,
-    /// What the model has at that pressure, from rest, m or rad.
+    /// What the model has at that pressure, from rest, m or rad; of a bender by finite elements the bend of those.
     pub found: f64,
+    /// The analytic bend at that pressure, rad, where `found` is by finite elements.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub analytic: Option<f64>,
     /// `found - target`, m or rad; 0 where nothing was asked for.
     pub residual: f64,
     /// Weighted square of the residual.
     pub term: f64,
     /// Which end of the pressure range it is at: `"rest"`, `"pressure_max_pa"`, `"limit_margin"`, or none.
     pub bound: Option<&'static str>,
+}
+
+/// The model of a bend.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BendAnswer {
+    /// `"analytic"`, or `"section-fe"`: finite elements of the section.
+    pub model: &'static str,
+    /// Largest relative error that the analytic bend states up to the highest pressure; `None` where it states none.
+    pub analytic_error: Option<f64>,
 }
 
 /// One segment.
@@ -80,12 +96,15 @@ pub struct SegmentAnswer {
     pub wall_m: f64,
     /// `L`, m.
     pub length_m: f64,
-    /// Fiber angle from the hoop, deg; 0 for bending.
+    /// Fiber angle from the hoop, deg; 0 for a bender that the analytic model winds as a hoop.
     pub angle_deg: f64,
     /// The highest pressure this geometry may be given, Pa: that of the problem, or the margin below its limit point.
     pub pressure_cap_pa: f64,
     /// The phases.
     pub phases: Vec<PhaseAnswer>,
+    /// The model of the bends of a wound bender.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bend: Option<BendAnswer>,
     /// Bounds of the geometry that the answer is on, as `"wall_m min"`.
     pub active_bounds: Vec<String>,
     /// The largest condition number of a phase (`Actuator::condition`): a relative error of every parameter changes the deformation by at
@@ -183,10 +202,86 @@ pub fn solve_watched(
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<Answer, DesignError> {
     let design = search_watched(problem, effort, watch)?;
-    confirm(problem, &design.parts, design.counts, design.seed)
+    let (seed, mut counts) = (design.seed, design.counts);
+    let mut tried = Tried::new(problem, design.parts, seed, &mut counts);
+    let mut before: Option<Aim> = None;
+    let mut last: Option<Tried> = None;
+    for round in 1..=ROUNDS {
+        let here = last.as_ref().unwrap_or(&tried);
+        let Some(aim) = here.aim(problem, round, &mut counts) else { break };
+        if tried.is_reached() || before.as_ref().is_some_and(|before| aim.is_as(before)) {
+            break;
+        }
+        // Another seed looks at other geometries.
+        let effort = Budget { seed: effort.seed.wrapping_add(round as u64), ..*effort };
+        let Ok(other) = search_watched(&aim.problem, &effort, &mut |_| {}) else { break };
+        counts += other.counts;
+        let other = Tried::new(problem, other.parts, seed, &mut counts);
+        before = Some(aim);
+        if other.is_better_than(&tried) {
+            last = None;
+            tried = other;
+        } else {
+            last = Some(other);
+        }
+    }
+    if !tried.is_reached()
+        && let Some(parts) = refined(problem, &tried.parts, &tried.models, &mut counts)
+    {
+        let further = Tried::new(problem, parts, seed, &mut counts);
+        if further.is_better_than(&tried) {
+            tried = further;
+        }
+    }
+    tried.answer.map(|answer| Answer { cost: counts, ..answer })
 }
 
-/// Searches for the best design, asks the forward model from rest what it does, and how sensitive it is.
+/// A design with the models of its bends, and what they say of it.
+struct Tried {
+    parts: Vec<Found>,
+    models: Vec<Option<Model>>,
+    answer: Result<Answer, DesignError>,
+}
+
+impl Tried {
+    fn new(problem: &Problem, parts: Vec<Found>, seed: u64, counts: &mut Counts) -> Self {
+        let models = models(problem, &parts, counts);
+        let answer = confirmed(problem, &parts, &models, *counts, seed);
+        if let Ok(answer) = &answer {
+            *counts = answer.cost;
+        }
+        Self { parts, models, answer }
+    }
+
+    fn aim(&self, problem: &Problem, round: usize, counts: &mut Counts) -> Option<Aim> {
+        Aim::new(problem, &self.parts, &self.models, round, counts)
+    }
+
+    fn is_reached(&self) -> bool {
+        self.answer.as_ref().is_ok_and(|answer| answer.status == "reached")
+    }
+
+    fn is_better_than(&self, other: &Self) -> bool {
+        match (&self.answer, &other.answer) {
+            (Ok(own), Ok(other)) => own.objective < other.objective,
+            (own, _) => own.is_ok(),
+        }
+    }
+}
+
+/// The models of the bends of wound benders, segment by segment.
+fn models(problem: &Problem, parts: &[Found], counts: &mut Counts) -> Vec<Option<Model>> {
+    let mut model = |(segment, found): (&Segment, &Found)| {
+        segment.section?;
+        let candidate = Candidate::new(segment, &found.point)?;
+        let cap = candidate.cap(counts)?;
+        Model::new(&candidate, cap.pressure_pa)
+    };
+    problem.segments.iter().zip(parts).map(&mut model).collect()
+}
+
+/// Searches for the best design, asks the forward model from rest what it does, and how sensitive it is. Bends of wound benders whose analytic
+/// model errs are confirmed by finite elements of the section, and searched for again where they fall short.
 ///
 /// # Errors
 /// [`DesignError`] where the model has no equilibrium to offer.
@@ -213,10 +308,21 @@ pub(super) fn confirm(
     mut counts: Counts,
     seed: u64,
 ) -> Result<Answer, DesignError> {
+    let models = models(problem, parts, &mut counts);
+    confirmed(problem, parts, &models, counts, seed)
+}
+
+fn confirmed(
+    problem: &Problem,
+    parts: &[Found],
+    models: &[Option<Model>],
+    mut counts: Counts,
+    seed: u64,
+) -> Result<Answer, DesignError> {
     let mut segments = Vec::new();
     let (mut terms, mut scale) = (Terms::default(), 0.0);
-    for (segment, found) in problem.segments.iter().zip(parts) {
-        let answer = confirm_segment(segment, found, &mut counts)?;
+    for ((segment, found), model) in problem.segments.iter().zip(parts).zip(models) {
+        let answer = confirm_segment(problem, (segment, found), model.as_ref(), &mut counts)?;
         let term = match segment.motion {
             Motion::Extension => &mut terms.length,
             Motion::Expansion => &mut terms.outer_radius,
@@ -232,31 +338,52 @@ pub(super) fn confirm(
         segments.push(answer);
     }
     let objective = terms.length + terms.outer_radius + terms.bend_angle + terms.twist + terms.effort.unwrap_or(0.0);
-    let status = if objective <= REACHED * scale { "reached" } else { "best_found" };
+    let is_by_section = models.iter().flatten().any(|model| model.section.is_some());
+    let reached = if is_by_section { REACHED_BY_SECTION } else { REACHED };
+    let status = if objective <= reached * scale { "reached" } else { "best_found" };
     let shared_pressure = problem.shared_pressure;
     Ok(Answer { status, objective, terms, shared_pressure, segments, seed, cost: counts })
 }
 
-fn confirm_segment(segment: &Segment, found: &Found, counts: &mut Counts) -> Result<SegmentAnswer, DesignError> {
+fn confirm_segment(
+    problem: &Problem,
+    (segment, found): (&Segment, &Found),
+    model: Option<&Model>,
+    counts: &mut Counts,
+) -> Result<SegmentAnswer, DesignError> {
     let nowhere = || DesignError::NoEquilibrium { segment: segment.name.clone() };
     let candidate = Candidate::new(segment, &found.point).ok_or_else(nowhere)?;
-    let cap = candidate.cap(counts).ok_or_else(nowhere)?;
+    let section = model.and_then(|model| model.section.as_ref());
+    let cap_pa = match section {
+        Some(section) => section.cap_pa,
+        None => candidate.cap(counts).ok_or_else(nowhere)?.pressure_pa,
+    };
     let mut condition: Option<f64> = None;
     let mut phases = Vec::new();
-    for (phase, (goal, pressure_pa)) in segment.goals.iter().zip(&found.pressures_pa).enumerate() {
+    for (phase, goal) in segment.goals.iter().enumerate() {
         let none = || DesignError::NotConfirmed { segment: segment.name.clone(), phase: phase + 1 };
-        let state = candidate.at(*pressure_pa, counts).ok_or_else(none)?;
-        if *pressure_pa > 0.0
+        let (pressure_pa, bend) = match section {
+            Some(section) => {
+                let pressure_pa = pressure_pa(problem.shared_pressure, segment, section, phase, found);
+                (pressure_pa, Some(section.at(pressure_pa).ok_or_else(none)?.bend_angle_rad))
+            }
+            None => (found.pressures_pa[phase], None),
+        };
+        let state = candidate.at(pressure_pa, counts);
+        if let Some(state) = state.filter(|_| pressure_pa > 0.0)
             && let Ok(value) = candidate.actuator.condition(&state, &Load::none())
         {
             condition = Some(condition.map_or(value, |most| most.max(value)));
         }
-        let bound = match *pressure_pa {
+        let bound = match pressure_pa {
             p if p <= 0.0 => Some("rest"),
-            p if p < cap.pressure_pa * (1.0 - ON_BOUND) => None,
-            _ => Some(if cap.pressure_pa < segment.pressure_max_pa { "limit_margin" } else { "pressure_max_pa" }),
+            p if p < cap_pa * (1.0 - ON_BOUND) => None,
+            _ => Some(if cap_pa < segment.pressure_max_pa { "limit_margin" } else { "pressure_max_pa" }),
         };
-        phases.push(phase_answer(goal.as_ref(), *pressure_pa, candidate.measure(&state), bound));
+        let analytic = state.map(|state| candidate.measure(&state));
+        let value = bend.or(analytic).ok_or_else(none)?;
+        let analytic = analytic.filter(|_| bend.is_some());
+        phases.push(PhaseAnswer { analytic, ..phase_answer(goal.as_ref(), pressure_pa, value, bound) });
     }
     let geometry = candidate.geometry;
     Ok(SegmentAnswer {
@@ -266,8 +393,9 @@ fn confirm_segment(segment: &Segment, found: &Found, counts: &mut Counts) -> Res
         wall_m: geometry.outer_radius_m - geometry.inner_radius_m,
         length_m: geometry.length_m,
         angle_deg: geometry.angle_rad.to_degrees(),
-        pressure_cap_pa: cap.pressure_pa,
+        pressure_cap_pa: cap_pa,
         phases,
+        bend: model.map(|model| BendAnswer { model: model.bend.model(), analytic_error: model.bend.analytic_error() }),
         active_bounds: active_bounds(segment, &found.point),
         condition,
         starts: found.starts,
@@ -277,7 +405,7 @@ fn confirm_segment(segment: &Segment, found: &Found, counts: &mut Counts) -> Res
 fn phase_answer(goal: Option<&Goal>, pressure_pa: f64, found: f64, bound: Option<&'static str>) -> PhaseAnswer {
     let residual = goal.map_or(0.0, |goal| found - goal.value);
     let term = goal.map_or(0.0, |goal| goal.weight * residual * residual);
-    PhaseAnswer { pressure_pa, target: goal.map(|goal| goal.value), found, residual, term, bound }
+    PhaseAnswer { pressure_pa, target: goal.map(|goal| goal.value), found, analytic: None, residual, term, bound }
 }
 
 fn active_bounds(segment: &Segment, place: &[f64]) -> Vec<String> {

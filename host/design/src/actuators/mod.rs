@@ -19,8 +19,10 @@ pub mod kinds;
 mod objective;
 mod problem;
 mod reach;
+mod refined;
 mod ridge;
 mod search;
+mod section;
 mod settle;
 mod shared;
 mod slopes;
@@ -28,7 +30,8 @@ mod slopes;
 pub(super) use actuator::Candidate;
 pub use actuator::Counts;
 pub use answer::{
-    Answer, Design, DesignError, PhaseAnswer, SegmentAnswer, Terms, search, search_watched, solve, solve_watched,
+    Answer, BendAnswer, Design, DesignError, PhaseAnswer, SegmentAnswer, Terms, search, search_watched, solve,
+    solve_watched,
 };
 pub use objective::Objective;
 pub use problem::{Bounds, Geometry, GeometryBounds, Goal, Problem, Segment, Sizes, Winding};

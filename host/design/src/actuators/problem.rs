@@ -1,6 +1,8 @@
 //! A design problem, checked: segments, what they shall do in each phase, and the bounds of what can be made.
 
-use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement, State, Target};
+use fra_model::{
+    Actuator, ActuatorParameters, Families, Fiber, InvalidParameter, Material, Motion, Placement, State, Target,
+};
 
 /// Most phases and segments of a problem: far beyond a limb, and a bound on what a file can make the solver do.
 pub(super) const MOST: usize = 1000;
@@ -89,6 +91,18 @@ impl Winding {
         }
     }
 
+    /// The fibers of a geometry, at an angle from the hoop, rad.
+    pub(super) fn fiber(&self, geometry: &Geometry, angle_rad: f64) -> Fiber<f64> {
+        Fiber {
+            angle_rad,
+            families: self.families,
+            modulus_pa: self.modulus_pa,
+            placement: self.placement,
+            thickness_m: self.thickness_m,
+            radius_m: self.radius_m(geometry.inner_radius_m, geometry.outer_radius_m),
+        }
+    }
+
     /// Derivatives of the winding radius by `R_i` and `R_o`; `None` where it has no effect.
     pub(crate) fn radius_slopes(&self) -> Option<[f64; 2]> {
         match self.placement {
@@ -117,8 +131,12 @@ pub struct Segment {
     pub motion: Motion,
     /// The elastomer.
     pub material: Material<f64>,
-    /// The winding; `None` for a bender wound as a hoop.
+    /// The winding of the analytic model; `None` for a bender that it winds as a hoop.
     pub winding: Option<Winding>,
+    /// The winding of a bender by finite elements of its section, which follow any; `None` where the analytic model has the last word.
+    pub section: Option<Winding>,
+    /// A second winding that is given, and its angle from the hoop, rad. Of a bender finite elements alone have it.
+    pub second: Option<(Winding, f64)>,
     /// Bounds of the geometry.
     pub bounds: GeometryBounds,
     /// Highest gauge pressure, Pa; > 0. The lowest is 0.
@@ -230,7 +248,7 @@ impl Segment {
         }
     }
 
-    /// The actuator of a geometry.
+    /// The actuator of a geometry by the analytic model, with its first winding.
     pub fn parameters(&self, geometry: &Geometry) -> ActuatorParameters<f64> {
         ActuatorParameters {
             motion: self.motion,
@@ -238,14 +256,32 @@ impl Segment {
             outer_radius_m: geometry.outer_radius_m,
             length_m: geometry.length_m,
             material: self.material,
-            fiber: self.winding.map(|winding| Fiber {
-                angle_rad: geometry.angle_rad,
-                families: winding.families,
-                modulus_pa: winding.modulus_pa,
-                placement: winding.placement,
-                thickness_m: winding.thickness_m,
-                radius_m: winding.radius_m(geometry.inner_radius_m, geometry.outer_radius_m),
-            }),
+            fiber: self.winding.map(|winding| winding.fiber(geometry, geometry.angle_rad)),
+        }
+    }
+
+    /// The actuator of a geometry as finite elements of its section have it, and its second winding; `None` where they are not to.
+    pub fn by_section(&self, geometry: &Geometry) -> Option<(ActuatorParameters<f64>, Option<Fiber<f64>>)> {
+        let section = self.section?;
+        // The analytic model of a bend that it takes for hoops has no angle.
+        let angle_rad = if self.winding.is_some() { geometry.angle_rad } else { self.bounds.angle_rad[0] };
+        let fiber = Some(section.fiber(geometry, angle_rad));
+        Some((ActuatorParameters { fiber, ..self.parameters(geometry) }, self.second_fiber(geometry)))
+    }
+
+    fn second_fiber(&self, geometry: &Geometry) -> Option<Fiber<f64>> {
+        self.second.map(|(winding, angle_rad)| winding.fiber(geometry, angle_rad))
+    }
+
+    /// The actuator of a geometry by the analytic model, of a bender without its second winding.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] of a geometry that the model refuses.
+    pub fn actuator(&self, geometry: &Geometry) -> Result<Actuator<f64>, InvalidParameter<f64>> {
+        let actuator = Actuator::new(&self.parameters(geometry))?;
+        match self.second_fiber(geometry).filter(|_| self.motion != Motion::Bending) {
+            Some(second) => actuator.with_second_fiber(&second),
+            None => Ok(actuator),
         }
     }
 

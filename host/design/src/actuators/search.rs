@@ -122,6 +122,7 @@ impl<L: Counted> LeastSquares for Watched<'_, L> {
 }
 
 /// The best of a search.
+#[derive(Clone)]
 pub(super) struct Found {
     /// Point of the geometry in its unit box, and of the shares behind it where there are.
     pub(super) point: Vec<f64>,

@@ -4,7 +4,7 @@ use fra_model::{Arrangement, Fiber, Motion, Placement};
 
 use crate::actuators::{Bounds, GeometryBounds, Segment, Sizes, Winding};
 use softlimb_limb::{Limb, reference_max_pa};
-use softlimb_scene::{Located, Module, ModuleBounds, Scene, SceneError};
+use softlimb_scene::{BendingModel, Located, Module, ModuleBounds, Scene, SceneError};
 
 /// Refuses modules whose plates hold their actuators back: these searches size an actuator alone, and the bundle does not do as one of them.
 ///
@@ -54,6 +54,8 @@ pub(super) fn segment(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> 
         motion: *module.motion,
         material: *module.material,
         winding,
+        section: section(scene, module)?,
+        second: second(scene, module)?,
         bounds: GeometryBounds {
             sizes: Sizes::InnerAndWall,
             sizes_m: [inner_radius_m, wall_m],
@@ -71,6 +73,22 @@ pub(super) fn segment(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> 
         goals: Vec::new(),
         effort_per_pa2: 0.0,
     })
+}
+
+/// The winding of a bender by finite elements, where `check` may bend it by them.
+fn section(scene: &Scene, module: &Module) -> Result<Option<Winding>, SceneError> {
+    let wound_bender = |fiber: &&Located<Fiber<f64>>| *module.motion == Motion::Bending && fiber.modulus_pa > 0.0;
+    let Some(first) = module.fiber.as_ref().filter(wound_bender) else { return Ok(None) };
+    if module.second_fiber.is_none() && scene.controller().bending == BendingModel::Analytic {
+        return Ok(None);
+    }
+    wound(scene, module, first).map(Some)
+}
+
+/// The second winding, which keeps its angle.
+fn second(scene: &Scene, module: &Module) -> Result<Option<(Winding, f64)>, SceneError> {
+    let second = module.second_fiber.as_ref();
+    second.map(|fiber| Ok((wound(scene, module, fiber)?, fiber.angle_rad))).transpose()
 }
 
 /// Bounds of the length of a module with both ends, m.

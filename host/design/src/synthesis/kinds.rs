@@ -111,6 +111,8 @@ pub fn space(motion: Motion) -> Space {
             motion,
             material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
             winding: (motion != Motion::Bending).then_some(winding),
+            section: None,
+            second: None,
             bounds: GeometryBounds {
                 sizes: Sizes::InnerAndWall,
                 sizes_m: [[6e-3, 10e-3], [3e-3, 5e-3]],

@@ -38,7 +38,7 @@ impl<'a> Section<'a> {
                 geometry.angle_rad.to_degrees()
             )
         };
-        if let Err(error) = fra_model::Actuator::new(&space.segment.parameters(&geometry)) {
+        if let Err(error) = space.segment.actuator(&geometry) {
             return Err(what(&error.to_string()));
         }
         let candidate = Candidate::new(&space.segment, place).ok_or_else(|| what("the model refuses it"))?;

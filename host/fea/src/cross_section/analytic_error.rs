@@ -19,6 +19,16 @@ pub fn is_wound_bender(parameters: &ActuatorParameters<f64>) -> bool {
     parameters.motion == Motion::Bending && parameters.fiber.is_some_and(|fiber| fiber.modulus_pa > 0.0)
 }
 
+/// The largest [`analytic_bend_error`] of states under pressure; `None` where there are none, or one is outside its range.
+pub fn largest_bend_error<'a>(
+    parameters: &ActuatorParameters<f64>,
+    states: impl IntoIterator<Item = &'a State<f64>>,
+) -> Option<f64> {
+    let larger =
+        |most: Option<f64>, state| Some(Some(most.unwrap_or(0.0).max(analytic_bend_error(parameters, state)?)));
+    states.into_iter().try_fold(None, larger).flatten()
+}
+
 /// An upper estimate of the relative error of the analytic bend angle, `|analytic / finite elements - 1|` at one pressure without load.
 ///
 /// The analytic model has a thread that does not stretch and a winding that stays a circle.

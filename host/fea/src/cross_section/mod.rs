@@ -48,8 +48,7 @@ mod tests;
 
 use fra_model::{ActuatorParameters, Fiber};
 
-pub use analytic_error::{BEND_TOLERANCE, analytic_bend_error, is_wound_bender};
-
+pub use analytic_error::{BEND_TOLERANCE, analytic_bend_error, is_wound_bender, largest_bend_error};
 pub use answer::{Answer, Budget, Equilibrium, ErrorEstimate, Outcome, SectionState, Stiffness};
 pub use bending::{BendingLaw, BendingMoment};
 pub use calibrate::{BendPolynomial, CALIBRATED_FROM, Calibration};

@@ -149,18 +149,37 @@ fn arrange(table: &mut Table, arrangement: &Arrangement<f64>) {
     }
 }
 
-/// Gives a module a winding of its own: a copy of another one with its own angle.
+/// Gives a module windings of its own: copies of others, the first with its own angle.
 fn rewind(draft: &mut Draft, table: &mut Table, angle_rad: f64, index: usize) {
-    let Some(template) = table.get(module::WINDING.name).and_then(Item::as_str) else { return };
+    let Some(item) = table.get_mut(module::WINDING.name) else { return };
+    let Some(names) = item.as_array_mut() else {
+        let name = item.as_str().and_then(|template| rewound(draft, template, Some(angle_rad), index));
+        if let Some(name) = name {
+            put(table, module::WINDING.name, name.into());
+        }
+        return;
+    };
+    for (place, angle_rad) in [Some(angle_rad), None].into_iter().enumerate() {
+        let template = names.get(place).and_then(Value::as_str);
+        if let Some(name) = template.and_then(|template| rewound(draft, template, angle_rad, index)) {
+            names.replace(place, name);
+        }
+    }
+}
+
+/// Name of a copy of a winding with another angle, if one is given, on the outer face of other sizes.
+fn rewound(draft: &mut Draft, template: &str, angle_rad: Option<f64>, index: usize) -> Option<String> {
     let names = (index + 1..).map(|number| format!("designed-{number}"));
-    let Some(name) = draft.copy(Part::Winding, template, names) else { return };
-    let Some(copy) = draft.part(Part::Winding, &name) else { return };
-    put(copy, winding::ANGLE.name, degrees(angle_rad));
+    let name = draft.copy(Part::Winding, template, names)?;
+    let copy = draft.part(Part::Winding, &name)?;
+    if let Some(angle_rad) = angle_rad {
+        put(copy, winding::ANGLE.name, degrees(angle_rad));
+    }
     let smeared = copy.get(winding::PLACEMENT.name).and_then(Item::as_str).is_some_and(|word| word != "sheet");
     if !smeared {
         copy.remove(winding::RADIUS.name);
     }
-    put(table, module::WINDING.name, name.into());
+    Some(name)
 }
 
 fn retarget(draft: &mut Draft, modules: &[&str], targets: &[Vec<RedesignedTarget>]) {

@@ -9,7 +9,8 @@ use serde::Serialize;
 
 use crate::cli::shared::{about, read, show};
 use crate::cli::{Failure, Outcome, warn};
-use softlimb_design::actuators::{Answer, Budget, Objective, Problem, SegmentAnswer, solve};
+use softlimb_design::actuators::{Answer, Budget, Objective, PhaseAnswer, Problem, SegmentAnswer, solve};
+use softlimb_fea::cross_section::BEND_TOLERANCE;
 
 /// Find geometry and pressures for target deformations, eq. (14) of the paper
 #[derive(Args)]
@@ -65,8 +66,36 @@ impl Actuators {
                 starts.agreeing, starts.made
             )
         });
-        Ok(warn(doubt.as_slice()))
+        Ok(warn(&[short(&answer), doubt.into_iter().collect()].concat()))
     }
+}
+
+/// A line for each wound bender whose bends miss their targets by more than the error of a bend that is accepted, or whose model is in doubt.
+pub(super) fn short(answer: &Answer) -> Vec<String> {
+    let line = |segment: &SegmentAnswer| {
+        let (bend, name) = (segment.bend?, &segment.name);
+        let missed = segment.phases.iter().filter_map(|phase| {
+            let off = phase.residual / phase.target?.max(f64::MIN_POSITIVE);
+            (off.abs() > BEND_TOLERANCE).then_some((phase, off))
+        });
+        let farthest = missed.max_by(|(a, _), (b, _)| a.residual.abs().total_cmp(&b.residual.abs()));
+        let (kpa, is_analytic) = (|phase: &PhaseAnswer| phase.pressure_pa * 1e-3, bend.model == "analytic");
+        match farthest {
+            Some((phase, off)) if !is_analytic => Some(format!(
+                "finite elements bend `{name}` to {:.3} rad at {:.2} kPa, {:.1} % {} its target of {:.3} rad",
+                phase.found,
+                kpa(phase),
+                100.0 * off.abs(),
+                if off < 0.0 { "short of" } else { "beyond" },
+                phase.target?,
+            )),
+            _ if is_analytic && bend.analytic_error.is_none_or(|error| error > BEND_TOLERANCE) => Some(format!(
+                "finite elements have no bends of `{name}`: those of the analytic model are not confirmed"
+            )),
+            _ => None,
+        }
+    };
+    answer.segments.iter().filter_map(line).collect()
 }
 
 /// The objective of eq. (14) at a point; null where the model has no equilibrium.
@@ -151,13 +180,26 @@ fn one(text: &mut String, segment: &SegmentAnswer) {
         "  active bounds: {active}; condition {condition}; {} of {} local solves agree",
         starts.agreeing, starts.made
     );
-    let _ = writeln!(text, "{:>12} {:>14} {:>14} {:>12}", "kPa", "target", "found", "difference");
+    let is_by_section = segment.bend.is_some_and(|bend| bend.model != "analytic");
+    if let Some(bend) = segment.bend {
+        let errs =
+            bend.analytic_error.map_or("is not known".into(), |error| format!("is up to {:.1} %", 100.0 * error));
+        let model = if is_by_section { "finite elements" } else { "the analytic model" };
+        let _ = writeln!(text, "  bends by {model}; the error of the analytic model {errs}");
+    }
+    let last = if is_by_section { "       analytic" } else { "" };
+    let _ = writeln!(text, "{:>12} {:>14} {:>14} {:>12}{last}", "kPa", "target", "found", "difference");
     for phase in &segment.phases {
         let target = phase.target.map_or("-".into(), |value| format!("{value:.6}"));
         let bound = phase.bound.unwrap_or_default();
+        let analytic = match phase.analytic {
+            Some(bend) => format!("{bend:14.6} "),
+            None if is_by_section => format!("{:>14} ", "-"),
+            None => String::new(),
+        };
         let _ = writeln!(
             text,
-            "{:12.3} {target:>14} {:14.6} {:12.3e} {bound}",
+            "{:12.3} {target:>14} {:14.6} {:12.3e} {analytic}{bound}",
             phase.pressure_pa * 1e-3,
             phase.found,
             phase.residual

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
-use super::actuators::{Search, table};
+use super::actuators::{Search, short, table};
 use super::candidates::{limb, pareto};
 use crate::cli::shared::{about, bar, read, show, threads};
 use crate::cli::{Failure, Outcome, note, say};
@@ -19,7 +19,7 @@ use softlimb_files::write_whole;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_scene as scene;
-use softlimb_scene::{Redesign, RedesignedTarget, Scene};
+use softlimb_scene::{Redesign, RedesignedTarget, Scene, SceneError};
 
 /// Output with `--json`.
 #[derive(Serialize)]
@@ -66,22 +66,26 @@ impl LimbDesign {
     /// Designs the limb of a scene and writes the scene with it.
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let scene = scene::load(&self.scene)?;
-        scene.require_one_winding("`design limb`")?;
         if !leads_the_tip(&scene) {
             let answer = self.search.solve(&targets(&scene)?)?;
             let (modules, targets) = redesigned_targets(&scene, &answer);
             let file = self.write(&scene, &modules, Some(&targets))?;
             let printed = with_ends(&scene, &answer);
-            self.say(&scene, &file, &printed, Vec::new(), || table(&printed))?;
+            let designed = Designed::new(&file, |_| true, short(&answer));
+            self.say(&scene, &file, &printed, (Vec::new(), &designed), || table(&printed))?;
             return self.judge(
                 &file,
+                designed,
                 answer.status == "reached",
                 "not every target is reached: see the differences above",
             );
         }
         if !scene.weightless() {
+            scene.require_one_winding("`design limb` under weight")?;
             return super::loaded::design(&scene, &self.file_out(), self.search.seed, self.json);
         }
+        // A plan confirms bends by finite elements, and this search has those of the analytic model.
+        scene.require_benders_of_one_winding("`design limb` for way-points")?;
         let tasked = task(&scene)?;
         match scene.design().and_then(|design| design.choice.as_ref()) {
             None => {
@@ -150,9 +154,10 @@ impl LimbDesign {
     ) -> Result<Outcome, Failure> {
         let file = self.write(scene, &redesigned_limb(scene, tasked, found), None)?;
         let text = || pareto(&list) + &limb(found);
-        self.say(scene, &file, found, list.clone(), text)?;
+        let designed = Designed::new(&file, |plan| found.does_it() && plan.is_ok(), Vec::new());
+        self.say(scene, &file, found, (list.clone(), &designed), text)?;
         let why = found.shortfall.as_ref().map(ToString::to_string).unwrap_or_default();
-        self.judge(&file, found.does_it(), &why)
+        self.judge(&file, designed, found.does_it(), &why)
     }
 
     /// Number of via points that the planner needs for a limb; `None` where it refuses it.
@@ -186,13 +191,12 @@ impl LimbDesign {
         scene: &Scene,
         file: &Path,
         answer: &T,
-        list: Vec<&Candidate>,
+        (list, designed): (Vec<&Candidate>, &Result<Designed, SceneError>),
         text: impl Fn() -> String,
     ) -> Result<(), Failure> {
         if self.json {
             // A design that is no scene is refused where it is judged.
-            let designed = scene::load(file).and_then(|designed| Ok((Limb::new(&designed)?, designed)));
-            let warnings = designed.map_or_else(|_| Vec::new(), |(limb, designed)| super::warnings(&designed, &limb));
+            let warnings = designed.as_ref().map_or_else(|_| Vec::new(), |designed| designed.warnings.clone());
             let printed = Printed { weightless: scene.weightless(), file, answer, list, warnings };
             return show(true, &printed, String::new);
         }
@@ -200,19 +204,46 @@ impl LimbDesign {
     }
 
     /// Whether the design does what was asked, and whether its file can be run: the planner of `run` has the last word.
-    fn judge(&self, file: &Path, reached: bool, why: &str) -> Result<Outcome, Failure> {
+    fn judge(
+        &self,
+        file: &Path,
+        designed: Result<Designed, SceneError>,
+        reached: bool,
+        why: &str,
+    ) -> Result<Outcome, Failure> {
         note(&format!("design: {}", file.display()));
         if !reached {
             note(&format!("warning: {why}"));
         }
-        let designed = scene::load(file)?;
-        let limb = Limb::new(&designed)?;
-        let outcome = super::windings(&designed, &limb);
-        match motion::plan(&designed, &limb) {
-            Ok(_) if reached => Ok(outcome),
+        let Designed { scene, plan, warnings } = designed?;
+        let outcome = super::windings(&scene, &warnings);
+        match plan {
+            Ok(()) if reached => Ok(outcome),
             Err(error) if reached => Err(error.into()),
             _ => Ok(Outcome::DoneWithWarnings),
         }
+    }
+}
+
+/// A designed scene with its warnings, and whether it has a plan, whose bends are those of finite elements where the analytic ones err.
+struct Designed {
+    scene: Scene,
+    plan: Result<(), SceneError>,
+    warnings: Vec<String>,
+}
+
+impl Designed {
+    /// Of a file. `is_confirmed` tells by the plan whether finite elements confirm the bends; `warnings` are those of the search.
+    fn new(
+        file: &Path,
+        is_confirmed: impl Fn(&Result<(), SceneError>) -> bool,
+        mut warnings: Vec<String>,
+    ) -> Result<Self, SceneError> {
+        let scene = scene::load(file)?;
+        let limb = Limb::new(&scene)?;
+        let plan = motion::plan(&scene, &limb).map(drop);
+        warnings.extend(super::warnings(&scene, &limb, is_confirmed(&plan)));
+        Ok(Self { scene, plan, warnings })
     }
 }
 

@@ -42,14 +42,17 @@ impl Design {
     }
 }
 
-/// The warnings about the windings of a designed scene and the models of its bends.
-fn warnings(designed: &Scene, limb: &Limb) -> Vec<String> {
+/// The warnings about the windings of a designed scene, and about its bends where finite elements have not confirmed them.
+fn warnings(designed: &Scene, limb: &Limb, is_confirmed: bool) -> Vec<String> {
+    if is_confirmed {
+        return limb.winding_warnings(designed);
+    }
     [designed.winding_warnings(), analytic_bends("`design limb`", limb)].concat()
 }
 
-/// States these warnings, and what `fabricate` says of the windings, which the search does not choose.
-fn windings(designed: &Scene, limb: &Limb) -> Outcome {
-    let outcome = warn(&warnings(designed, limb));
+/// States warnings, and what `fabricate` says of the windings, which the search does not choose.
+fn windings(designed: &Scene, warnings: &[String]) -> Outcome {
+    let outcome = warn(warnings);
     for text in advice(designed, &Settings::default()) {
         note(&format!("warning: {text}"));
     }

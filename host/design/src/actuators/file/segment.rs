@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::Weights;
 use super::bounds::BoundsSpec;
 use super::winding::{FiberSpec, MaterialSpec, stated_or_named};
-use crate::actuators::problem::{Goal, MOST, Segment};
+use crate::actuators::problem::{Goal, MOST, Segment, Winding};
 use softlimb_files::object::{NamedOr, Object};
 use softlimb_files::problem::{Refused, missing, require, superfluous};
 
@@ -67,11 +67,15 @@ impl SegmentSpec {
         let wound = format!("{at}.fiber");
         let fiber = self.fiber(motion, &wound)?;
         let geometry = bounds.geometry(fiber.is_some(), &format!("{at}.bounds"))?;
+        let winding = fiber.map(|fiber| fiber.winding(motion, &wound, geometry.thinnest_m())).transpose()?;
+        let is_wound_bender = |winding: &Winding| motion == Motion::Bending && winding.modulus_pa > 0.0;
         let segment = Segment {
             name: self.name.clone(),
             motion,
             material,
-            winding: fiber.map(|fiber| fiber.winding(motion, &wound, geometry.thinnest_m())).transpose()?,
+            winding,
+            section: winding.filter(is_wound_bender),
+            second: None,
             bounds: geometry,
             pressure_max_pa: highest,
             limit_margin: margin,
