@@ -66,6 +66,7 @@ impl LimbDesign {
     /// Designs the limb of a scene and writes the scene with it.
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let scene = scene::load(&self.scene)?;
+        scene.require_no_segments("`design limb`")?;
         if !leads_the_tip(&scene) {
             let answer = self.search.solve(&targets(&scene)?)?;
             let (modules, targets) = redesigned_targets(&scene, &answer);

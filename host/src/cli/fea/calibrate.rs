@@ -48,7 +48,8 @@ struct Found<'a> {
 impl Calibrate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let thread = self.thread()?;
-        let (_, limb) = limb(&self.scene)?;
+        let (scene, limb) = limb(&self.scene)?;
+        scene.require_no_segments("`fea`")?;
         let wanted = |module: &&LimbModule| self.module.as_ref().is_none_or(|name| *name == module.name);
         let modules: Vec<_> = limb.modules().iter().filter(wanted).collect();
         if modules.is_empty() {

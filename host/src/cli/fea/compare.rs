@@ -59,7 +59,8 @@ impl Compare {
     }
 
     fn cases(&self) -> Result<Vec<Case>, Failure> {
-        let (_, limb) = limb(&self.scene)?;
+        let (scene, limb) = limb(&self.scene)?;
+        scene.require_no_segments("`fea`")?;
         let case = |module: &LimbModule| Case {
             name: module.name.clone(),
             parameters: *module.actuator.parameters(),
