@@ -111,7 +111,6 @@ fn errors_name_the_winding() {
             vec![("motion", json!("bending"))],
             "fiber, second winding: `thickness_m` is missing",
         ),
-        (json!([good, good]), vec![("errors", json!(true))], "`errors` takes one winding"),
     ];
     for (fiber, changes, expected) in cases {
         for scalar in [Scalar::F64, Scalar::F32] {
@@ -120,6 +119,59 @@ fn errors_name_the_winding() {
             assert!(answer["message"].as_str().is_some_and(|message| message.contains(expected)), "{answer}");
         }
     }
+}
+
+/// The rounding error is of the size of the distance to the answer in single precision, and not below that in double.
+#[test]
+fn errors_come_with_two_windings() {
+    let errors = ("errors", json!(true));
+    for (changes, discretised, is_bender) in [
+        (vec![errors.clone()], false, false),
+        (vec![errors.clone(), ("model", json!("section-fe"))], true, false),
+        (vec![errors.clone(), ("motion", json!("bending")), ("pressure_pa", json!(20e3))], true, true),
+    ] {
+        let fiber = json!([thread(-10.0), thread(15.0)]);
+        let found = answer(&fiber, &changes, Scalar::F64);
+        let error = |field: &str| found["errors"][field].as_f64();
+        assert!(error("rounding").is_some_and(|error| error > 1e-16 && error < 1e-8), "{found}");
+        assert_eq!(error("model"), Some(0.0), "{found}");
+        assert!(error("discretisation").is_some_and(|error| (error > 0.0) == discretised && error < 1e-3), "{found}");
+        let off = error("winding_2deg");
+        assert_eq!(off.is_some_and(|off| (1e-3..0.2).contains(&off)), is_bender, "{found}");
+        if is_bender {
+            // Both windings farther from the hoop bend less.
+            let wider = answer(&json!([thread(-8.0), thread(17.0)]), &changes, Scalar::F64);
+            let change = (number(&wider, "bend_angle_rad") / number(&found, "bend_angle_rad") - 1.0).abs();
+            assert!(off.is_some_and(|off| off >= change * (1.0 - 1e-9)), "{found} {wider}");
+        }
+    }
+}
+
+#[test]
+fn every_solution_leads_to_the_target() {
+    let fiber = json!([thread(30.0), thread(60.0)]);
+    let twist = number(&answer(&fiber, &[], Scalar::F64), "twist_rad");
+    let changes = [
+        ("problem", json!("inverse")),
+        ("pressure_pa", Value::Null),
+        ("target", json!({"twist_rad": twist})),
+        ("pressure_range", json!([-5e4, 2e5])),
+        ("solutions", json!("all")),
+    ];
+    for (scalar, within) in [(Scalar::F64, 1e-9), (Scalar::F32, 1e-3)] {
+        let found = answer(&fiber, &changes, scalar);
+        let solutions = found["solutions"].as_array().expect("a list");
+        assert!(!solutions.is_empty() && found["solutions_complete"] == true, "{found}");
+        assert!(solutions.iter().any(|one| (number(one, "pressure_pa") / 50e3 - 1.0).abs() < within), "{found}");
+        for one in solutions {
+            let back = answer(&fiber, &[("pressure_pa", one["pressure_pa"].clone())], Scalar::F64);
+            assert!((number(&back, "twist_rad") / twist - 1.0).abs() < within, "{one} {back}");
+        }
+    }
+    let bends = [&changes[..], &[("motion", json!("bending")), ("target", json!({"bend_angle_rad": 0.1}))]].concat();
+    let refused = answer(&fiber, &bends, Scalar::F64);
+    let words = "`solutions` \"all\" with finite elements takes one winding";
+    assert!(refused["message"].as_str().is_some_and(|message| message.contains(words)), "{refused}");
 }
 
 #[test]

@@ -13,7 +13,7 @@ use super::bend::out_of_plane;
 use super::{Bend, LimbSegment, StateCurve, chain};
 use crate::series::{bend_of, series};
 use crate::statics::{Spring, check_bundles};
-use softlimb_fea::cross_section::{BEND_TOLERANCE, BendingLaw, analytic_bend_error, is_wound_bender};
+use softlimb_fea::cross_section::{BEND_TOLERANCE, BendingLaw, is_wound_bender, largest_bend_error};
 use softlimb_scene::collision::Body;
 use softlimb_scene::{BendingModel, Located, Module, Scene, SceneError, TrueLimb};
 
@@ -541,9 +541,7 @@ pub(crate) fn bend(scene: &Scene, actuator: &Actuator<f64>, pressure_max_pa: f64
     if !is_wound_bender(parameters) {
         return (analytic, None);
     }
-    let largest = |most: f64, state: &State<f64>| Some(most.max(analytic_bend_error(parameters, state)?));
-    let (_, pressed) = analytic.states().split_at(1);
-    let error = if pressed.is_empty() { None } else { pressed.iter().try_fold(0.0, largest) };
+    let error = largest_bend_error(parameters, &analytic.states()[1..]);
     let is_asked = scene.controller().bending == BendingModel::Auto;
     let errs = error.is_none_or(|error| error > BEND_TOLERANCE);
     let by_section = (is_asked && errs).then(|| StateCurve::by_section(parameters, None, pressure_max_pa).ok());

@@ -154,20 +154,21 @@ fn actuator(request: &Request, solver: &mut Solver) -> Result<Answer, String> {
 
 fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, String> {
     if let Some(second) = &case.second_fiber {
-        if !two_windings::is_by_section(case, solver.scalar)? {
-            return two_windings::answer(case, second, solver.scalar).map(|solution| Answer::of(&solution));
+        if two_windings::is_by_section(case, solver.scalar)? {
+            let found = by_section(case)?;
+            let model = (case.model == Model::Auto).then_some("section-fe");
+            let answer = Answer { model, ..Answer::found(&found) };
+            return Ok(if model.is_some() || case.errors { answer.with_errors_of(case, &found) } else { answer });
         }
-        let found = by_section(case)?;
-        let answer = Answer::found(&found);
-        let is_chosen = case.model == Model::Auto;
-        let chosen = |answer: Answer| Answer { model: Some("section-fe"), ..answer }.with_errors_of(case, &found);
-        return Ok(if is_chosen { chosen(answer) } else { answer });
+        let solution = two_windings::answer(case, second, solver.scalar)?;
+        return match (case.all, &case.question) {
+            (true, Question::Inverse { target }) => every_solution(case, *target, solver.scalar),
+            _ if case.errors => chosen(case, &solution, solver.scalar),
+            _ => Ok(Answer::of(&solution)),
+        };
     }
     if let (true, Question::Inverse { target }) = (case.all, &case.question) {
-        return match solver.scalar {
-            Scalar::F64 => all::<f64>(case, *target, |parameters| *parameters),
-            Scalar::F32 => all::<f32>(case, *target, convert::parameters),
-        };
+        return every_solution(case, *target, solver.scalar);
     }
     match (case.model, solver.scalar) {
         (Model::Analytic | Model::Auto, scalar) => {
@@ -213,6 +214,13 @@ fn chosen(case: &Case, analytic: &Solution<f64>, scalar: Scalar) -> Result<Answe
 }
 
 /// The answer with every solution in the range.
+fn every_solution(case: &Case, target: Target<f64>, scalar: Scalar) -> Result<Answer, String> {
+    match scalar {
+        Scalar::F64 => all::<f64>(case, target, |parameters| *parameters),
+        Scalar::F32 => all::<f32>(case, target, convert::parameters),
+    }
+}
+
 fn all<T: Precision>(
     case: &Case,
     target: Target<f64>,
@@ -220,7 +228,12 @@ fn all<T: Precision>(
 ) -> Result<Answer, String> {
     case.parameters.check().map_err(|error| as_written(error).to_string())?;
     let invalid = |error: InvalidParameter<T>| convert::invalid(error).to_string();
-    let actuator = Actuator::new(&rounded(&case.parameters)).map_err(invalid)?;
+    let parameters = rounded(&case.parameters);
+    let actuator = match &case.second_fiber {
+        None => Actuator::new(&parameters),
+        Some(second) => two_windings::wound(&parameters, &convert::fiber(second)),
+    };
+    let actuator = actuator.map_err(invalid)?;
     let (range, load, target) = (convert::range(&case.range), convert::load(&case.load), convert::target(target));
     let mut solutions = vec![];
     let complete = actuator

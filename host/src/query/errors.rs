@@ -1,10 +1,10 @@
 //! Errors of an answer, and the choice of the model that they ask for.
 
-use fra_model::{Actuator, ActuatorParameters, Fiber, Load, Motion, State, StateQuantity, Status};
+use fra_model::{ActuatorParameters, Fiber, Load, Motion, State, StateQuantity, Status};
 use serde::Serialize;
 
 use super::request::{Case, Question};
-use super::section_fe;
+use super::{section_fe, two_windings};
 use softlimb_fea::cross_section::{analytic_bend_error, is_wound_bender};
 
 /// Errors of the closed forms and of the search, in units of the precision times the condition number.
@@ -69,7 +69,7 @@ fn condition(case: &Case, state: &State<f64>) -> Option<f64> {
     if state.pressure_pa == 0.0 {
         return Some(1.0);
     }
-    let actuator = Actuator::new(&case.parameters).ok()?;
+    let actuator = two_windings::tube(case).ok()?;
     let at = |factor: f64| {
         let found = actuator.forward(factor * state.pressure_pa, &case.load).ok()?;
         (found.status == Status::Solved).then(|| natural(case, &found.state))
@@ -86,18 +86,19 @@ fn condition(case: &Case, state: &State<f64>) -> Option<f64> {
     })
 }
 
-/// The largest relative change of the bend with the winding 2 deg more or less, by finite elements at the answer's pressure.
+/// The largest relative change of the bend with every winding 2 deg more or less, by finite elements at the answer's pressure.
 fn winding(case: &Case, state: &State<f64>) -> Option<f64> {
     if !is_wound_bender(&case.parameters) || state.pressure_pa <= 0.0 {
         return None;
     }
-    let fiber = case.parameters.fiber?;
-    let bend = |angle_rad: f64| {
-        let wound = ActuatorParameters { fiber: Some(Fiber { angle_rad, ..fiber }), ..case.parameters };
-        section_fe::bend(&wound, state.pressure_pa, &case.load)
+    let off = |fiber: Fiber<f64>, error: f64| Fiber { angle_rad: fiber.angle_rad + error, ..fiber };
+    let bend = |error: f64| {
+        let fiber = case.parameters.fiber.map(|fiber| off(fiber, error));
+        let wound = ActuatorParameters { fiber, ..case.parameters };
+        let second = case.second_fiber.map(|fiber| off(fiber, error));
+        section_fe::bend(&wound, second.as_ref(), state.pressure_pa, &case.load)
     };
-    let nominal = bend(fiber.angle_rad)?;
-    let changes = [-WINDING_ERROR_RAD, WINDING_ERROR_RAD]
-        .map(|error| Some((bend(fiber.angle_rad + error)? / nominal - 1.0).abs()));
+    let nominal = bend(0.0)?;
+    let changes = [-WINDING_ERROR_RAD, WINDING_ERROR_RAD].map(|error| Some((bend(error)? / nominal - 1.0).abs()));
     changes.into_iter().collect::<Option<Vec<_>>>()?.into_iter().reduce(f64::max)
 }

@@ -16,12 +16,19 @@ pub(super) fn is_by_section(case: &Case, scalar: Scalar) -> Result<bool, String>
     let refused = [
         (bends && case.model == Model::Analytic, "`motion` \"bending\" with `model` \"analytic\""),
         (by_section && scalar == Scalar::F32, "single precision with finite elements"),
-        (case.all, "`solutions` \"all\""),
-        (case.errors, "`errors`"),
+        (by_section && case.all, "`solutions` \"all\" with finite elements"),
     ];
     match refused.iter().find(|(is_refused, _)| *is_refused) {
         Some((_, field)) => Err(format!("fiber, second winding: {field} takes one winding")),
         None => Ok(by_section),
+    }
+}
+
+/// The tube of a question, with its second winding where it has one. A bending actuator has the first alone.
+pub(super) fn tube(case: &Case) -> Result<Actuator<f64>, InvalidParameter<f64>> {
+    match case.second_fiber.filter(|_| case.parameters.motion != Motion::Bending) {
+        None => Actuator::new(&case.parameters),
+        Some(second) => wound(&case.parameters, &second),
     }
 }
 
@@ -44,7 +51,7 @@ pub(super) fn answer(case: &Case, second: &Fiber<f64>, scalar: Scalar) -> Result
     }
 }
 
-fn wound<T: Precision>(
+pub(super) fn wound<T: Precision>(
     parameters: &ActuatorParameters<T>,
     second: &Fiber<T>,
 ) -> Result<Actuator<T>, InvalidParameter<T>> {
