@@ -114,6 +114,11 @@ fn module_of_segments_has_one_actuator() {
    |
    = help: write `actuators = 1`"#
     );
+    let places = refused("actuators = 1", "actuators = 1\ncircle_radius = \"30 mm\"");
+    assert!(
+        places.contains("`circle_radius` has no meaning with `segments`, whose actuator is in the middle"),
+        "{places}"
+    );
 }
 
 #[test]

@@ -30,18 +30,21 @@ pub(super) fn segments(
         return reader.log().note(problem.help("a module of one segment has `length` and `winding` itself"));
     }
     let own = reader.forbid(&[module::LENGTH.name, module::WINDING.name], "with `segments`, which have their own");
-    let places = reader.forbid(
-        &[module::CIRCLE_RADIUS.name, module::SPACING.name],
-        "with `segments`, whose actuator is in the middle",
-    );
+    let places = match actuators {
+        Some(count) if *count != 1 => {
+            let problem = Problem::at(count.span, "a module with `segments` has one actuator", "several here");
+            reader.log().note(problem.help("write `actuators = 1`"))
+        }
+        _ => reader.forbid(
+            &[module::CIRCLE_RADIUS.name, module::SPACING.name],
+            "with `segments`, whose actuator is in the middle",
+        ),
+    };
     let read: Vec<_> = tables.iter().map(|table| segment(table, windings, wall, law)).collect();
     let segments: Vec<ModuleSegment> = read.into_iter().collect::<Option<_>>()?;
     own.and(places)?;
-    let (motion, actuators) = (motion?, actuators?);
-    if *actuators != 1 {
-        let problem = Problem::at(actuators.span, "a module with `segments` has one actuator", "several here");
-        return reader.log().note(problem.help("write `actuators = 1`"));
-    }
+    actuators?;
+    let motion = motion?;
     if *motion == Motion::Expansion {
         let problem = Problem::at(motion.span, "a module with `segments` has no radius as its setpoint", "expands");
         return reader.log().note(problem.help("choose `extension`, `bending` or `twisting`"));
