@@ -91,7 +91,11 @@ fn winding(case: &Case, state: &State<f64>) -> Option<f64> {
     if !is_wound_bender(&case.parameters) || state.pressure_pa <= 0.0 {
         return None;
     }
-    let off = |fiber: Fiber<f64>, error: f64| Fiber { angle_rad: fiber.angle_rad + error, ..fiber };
+    // Farther from the hoop or nearer to it, on either side.
+    let off = |fiber: Fiber<f64>, error: f64| Fiber {
+        angle_rad: fiber.angle_rad + error * fiber.angle_rad.signum(),
+        ..fiber
+    };
     let bend = |error: f64| {
         let fiber = case.parameters.fiber.map(|fiber| off(fiber, error));
         let wound = ActuatorParameters { fiber, ..case.parameters };
