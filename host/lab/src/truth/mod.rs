@@ -15,7 +15,7 @@ use softlimb_scene::{BodyEffects, Scene, TrueLimb};
 pub(crate) use command::Truth;
 
 /// The simulated limbs of the table.
-const LIMBS: [TrueLimb; 8] = [
+const LIMBS: [TrueLimb; 9] = [
     TrueLimb::Simple,
     TrueLimb::Body(NONE),
     TrueLimb::Body(BodyEffects { hysteresis: true, ..NONE }),
@@ -23,6 +23,7 @@ const LIMBS: [TrueLimb; 8] = [
     TrueLimb::Body(BodyEffects { softening: true, ..NONE }),
     TrueLimb::Body(BodyEffects { assembly: true, ..NONE }),
     TrueLimb::Body(BodyEffects { swing: true, ..NONE }),
+    TrueLimb::Body(BodyEffects { hysteresis: true, creep: true, softening: true, assembly: true, ..NONE }),
     TrueLimb::Body(BodyEffects { hysteresis: true, creep: true, softening: true, assembly: true, swing: true }),
 ];
 

@@ -61,7 +61,8 @@ fn name(limb: &str) -> String {
         0 if limb == "simple" => "the planner's own limb".to_owned(),
         0 => "body, no effect".to_owned(),
         1 => limb.to_owned(),
-        _ => "body + all of them".to_owned(),
+        _ if limb.contains("swing") => "body + all of them".to_owned(),
+        _ => "body + all but swing".to_owned(),
     }
 }
 
