@@ -158,7 +158,8 @@ fn every_solution_leads_to_the_target() {
         ("solutions", json!("all")),
     ];
     for (scalar, within) in [(Scalar::F64, 1e-9), (Scalar::F32, 1e-3)] {
-        let found = answer(&fiber, &changes, scalar);
+        let found = answer(&fiber, &[&changes[..], &[("errors", json!(true))]].concat(), scalar);
+        assert!(number(&found["errors"], "rounding") < 0.1 * within, "{found}");
         let solutions = found["solutions"].as_array().expect("a list");
         assert!(!solutions.is_empty() && found["solutions_complete"] == true, "{found}");
         assert!(solutions.iter().any(|one| (number(one, "pressure_pa") / 50e3 - 1.0).abs() < within), "{found}");

@@ -191,12 +191,8 @@ fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, String> {
 
 /// The analytic answer with its errors, or with model `auto` that of finite elements where the error of the first is beyond the tolerance.
 fn chosen(case: &Case, analytic: &Solution<f64>, scalar: Scalar) -> Result<Answer, String> {
-    let precision = match scalar {
-        Scalar::F64 => f64::EPSILON,
-        Scalar::F32 => f64::from(f32::EPSILON),
-    };
     let is_solved = analytic.status == Status::Solved;
-    let errors = is_solved.then(|| errors::of_analytic(case, &analytic.state, precision));
+    let errors = is_solved.then(|| errors::of_analytic(case, &analytic.state, precision(scalar)));
     let is_within = analytic_bend_error(&case.parameters, &analytic.state).is_some_and(|error| error <= case.tolerance);
     let answer = Answer { model: Some("analytic"), errors, ..Answer::of(analytic) };
     if case.model == Model::Analytic
@@ -213,19 +209,32 @@ fn chosen(case: &Case, analytic: &Solution<f64>, scalar: Scalar) -> Result<Answe
     }
 }
 
+fn precision(scalar: Scalar) -> f64 {
+    match scalar {
+        Scalar::F64 => f64::EPSILON,
+        Scalar::F32 => f64::from(f32::EPSILON),
+    }
+}
+
 /// The answer with every solution in the range.
 fn every_solution(case: &Case, target: Target<f64>, scalar: Scalar) -> Result<Answer, String> {
-    match scalar {
-        Scalar::F64 => all::<f64>(case, target, |parameters| *parameters),
-        Scalar::F32 => all::<f32>(case, target, convert::parameters),
+    let (first, all) = match scalar {
+        Scalar::F64 => all::<f64>(case, target, |parameters| *parameters)?,
+        Scalar::F32 => all::<f32>(case, target, convert::parameters)?,
+    };
+    let answer = Answer { all: Some(all), ..Answer::of(&first) };
+    if !case.errors || first.status != Status::Solved {
+        return Ok(answer);
     }
+    let errors = Some(errors::of_analytic(case, &first.state, precision(scalar)));
+    Ok(Answer { model: Some("analytic"), errors, ..answer })
 }
 
 fn all<T: Precision>(
     case: &Case,
     target: Target<f64>,
     rounded: impl Fn(&ActuatorParameters<f64>) -> ActuatorParameters<T>,
-) -> Result<Answer, String> {
+) -> Result<(Solution<f64>, All), String> {
     case.parameters.check().map_err(|error| as_written(error).to_string())?;
     let invalid = |error: InvalidParameter<T>| convert::invalid(error).to_string();
     let parameters = rounded(&case.parameters);
@@ -239,8 +248,8 @@ fn all<T: Precision>(
     let complete = actuator
         .inverse_all(&range, target, &load, &mut |found| solutions.push(convert::state(&found.state)))
         .map_err(invalid)?;
-    let first = actuator.inverse_within(&range, target, &load).map_err(invalid)?;
-    Ok(Answer { all: Some(All { solutions, complete }), ..Answer::of(&convert::solution(&first)) })
+    let first = convert::solution(&actuator.inverse_within(&range, target, &load).map_err(invalid)?);
+    Ok((first, All { solutions, complete }))
 }
 
 fn by_section(case: &Case) -> Result<SectionAnswer, String> {
