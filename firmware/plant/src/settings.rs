@@ -124,7 +124,7 @@ pub struct ChannelSettings {
     pub second_fiber: Option<Fiber<f64>>,
     /// Equilibria of the true actuator where [`fra_model`] does not solve it; without load.
     pub law: Option<ActuatorLaw>,
-    /// Segments of the actuator from the base to the tip, where it is a series of them: their equilibria stand in place of its own.
+    /// Segments of the actuator from the base to the tip, where it is a series. Their equilibria then replace those of the actuator.
     pub segments: Vec<SegmentSettings>,
     /// Constant load on the actuator's end.
     pub load: Load<f64>,

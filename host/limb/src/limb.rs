@@ -19,7 +19,7 @@ use softlimb_scene::{BendingModel, Located, Module, Scene, SceneError, TrueLimb}
 
 /// By how much a setpoint may be beyond its range: two steps of the wire's coarsest unit, of stretch or rad.
 const ROUNDING: f64 = 2e-6;
-/// The pressure that laws of benders are found up to, as a multiple of the module's limit: room for overshoot, and for bends beyond the free ones.
+/// Laws of benders reach this multiple of the module's highest pressure: for overshoot, and for bends beyond the free ones.
 const LAW_RATIO: f64 = 1.3;
 
 /// One module: a bundle of equal actuators and the rigid part behind it.
@@ -576,7 +576,7 @@ pub(crate) fn twists(curve: &StateCurve) -> bool {
     curve.states().iter().any(|state| state.twist_rad != 0.0)
 }
 
-/// The law of a bending actuator by finite elements, with room above its highest pressure where its branch goes on; `None` where its section has none.
+/// The law of a bending actuator by finite elements. It reaches beyond `pressure_max_pa` where the branch does. `None` where the section has none.
 pub fn bending_law(
     actuator: &ActuatorParameters<f64>,
     second_fiber: Option<&Fiber<f64>>,

@@ -92,7 +92,7 @@ pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneE
         let bends = module.kind == StateQuantity::BendAngle && !module.is_by_section();
         let wanted = bends && controller.bending == BendingModel::SectionFe;
         if wanted && module.is_series() {
-            return Err(no_cubic(scene, index, "its segments bend each by its own model"));
+            return Err(no_cubic(scene, index, "each of its segments has a separate bending model"));
         }
         let calibration = wanted.then(|| cubic(scene, index, module)).transpose()?;
         let bend = calibration.map(|calibration| calibration.polynomial);

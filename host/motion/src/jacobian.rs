@@ -19,7 +19,7 @@ pub(super) struct Differential<'a> {
     tip: Isometry3<f64>,
 }
 
-/// A link and what the pressure of its module does to it.
+/// A link and its derivatives by the pressure of its module.
 struct Moved {
     /// Index of its module; a series has several links.
     module: usize,
@@ -30,7 +30,7 @@ struct Moved {
     growth: f64,
     /// Pose of its start.
     start: Isometry3<f64>,
-    /// Position of the end of its centre line, and what the pressure does there.
+    /// Position of the end of its centre line, and its derivatives by the pressure.
     end: (Vector3<f64>, Twist),
 }
 
@@ -118,7 +118,7 @@ fn owner(limb: &Limb, piece: usize) -> Option<(usize, bool)> {
     parts.into_iter().nth(piece)
 }
 
-/// The place at a share of a link's length, and what the pressure of its module does there.
+/// The place at a share of a link's length, and its derivatives by the pressure of the module.
 fn place(link: &Link<f64>, slope: &Segment<f64>, start: &Isometry3<f64>, share: f64) -> (Vector3<f64>, Twist) {
     let mount = start.rotation * UnitQuaternion::from_scaled_axis(Vector3::z() * link.mount_angle_rad);
     let scaled = |segment: &Segment<f64>| Segment {

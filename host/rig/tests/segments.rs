@@ -230,7 +230,7 @@ fn what_has_no_model_of_a_series_says_so_at_its_line() {
     assert!(body.contains("and a true body takes modules of one"), "{body}");
     let cubic = scene(&[("[plant]", "[controller]\nbending = \"section-fe\"\n[plant]")]);
     let error = motion::inverses(&cubic, &limb(&cubic)).unwrap_err().render(false);
-    assert!(error.contains("its segments bend each by its own model"), "{error}");
+    assert!(error.contains("each of its segments has a separate bending model"), "{error}");
     let model = scene(&[("[plant]", "[controller]\ninverse = \"model\"\n[plant]")]);
     let error = motion::inverses(&model, &limb(&model)).unwrap_err().render(false);
     assert!(error.contains("the device needs tables for the module `finger`"), "{error}");

@@ -280,8 +280,8 @@ fn models(problem: &Problem, parts: &[Found], counts: &mut Counts) -> Vec<Option
     problem.segments.iter().zip(parts).map(&mut model).collect()
 }
 
-/// Searches for the best design, asks the forward model from rest what it does, and how sensitive it is. Bends of wound benders whose analytic
-/// model errs are confirmed by finite elements of the section, and searched for again where they fall short.
+/// Searches for the best design. Forward solves from rest give its deformations and their sensitivity. Finite elements of the section confirm wound
+/// benders whose analytic bend errs; where these fall short, the search is repeated.
 ///
 /// # Errors
 /// [`DesignError`] where the model has no equilibrium to offer.

@@ -1,8 +1,8 @@
 //! Moment of a bender over its bend and its pressure, and its stiffness beside the plane of its bend.
 //!
-//! Without a moment the bend `k` has the pressure `p_0(k)`. At another pressure the moment is `M(k, p) = (p_0(k) - p) A(k, p)`, where `A` is a mean of
-//! `dV/dk` over the pressures between. Threads that hardly stretch leave `A` hardly any room: polynomials of low degree through a few curves
-//! of finite elements have it. No equation of the analytic model is in it.
+//! Without a moment the bend `k` has the pressure `p_0(k)`. At another pressure the moment is `M(k, p) = (p_0(k) - p) A(k, p)`, where `A` is the mean of
+//! `dV/dk` over the pressures between. Threads hardly stretch, so `A` varies little, and a polynomial of low degree fits it. The fit is to a few
+//! curves of finite elements; no equation of the analytic model is in it.
 
 use fra_model::{ActuatorParameters, Fiber};
 use nalgebra::{DMatrix, DVector};
@@ -11,16 +11,16 @@ use super::{EndLoad, Equilibrium, Interpolated, Mesh, Options, Section, SectionE
 
 /// Elements through the wall and around half of it. Bends are within 1e-4 of those of the default mesh.
 const MESH: Mesh = Mesh { radial: 4, around: 8 };
-/// Moments of the curves, of the wall's stiffness at rest over the outer radius: about as large as tubes carry without pressure.
+/// Moments of the curves, as shares of the wall's bending stiffness at rest over the outer radius. Without pressure a tube carries little more.
 const MOMENTS: [f64; 5] = [-0.06, -0.04, -0.02, 0.01, 0.02];
 /// Pressures of a curve, from zero on.
 const PRESSURES: usize = 13;
-/// Least distance of a point from the curve without load, of the highest pressure: nearer ones say little about `A`.
+/// Least distance of a point from the curve without load, as a share of the highest pressure. Nearer points determine `A` poorly.
 const APART: f64 = 0.02;
 /// Degrees of `p_0` in the bend, and of `A` in the bend and the pressure.
 const FREE_DEGREE: usize = 11;
 const DEGREES: [usize; 2] = [6, 3];
-/// Points of the fit of `p_0`, less one.
+/// Intervals between the points of the fit of `p_0`.
 const FREE_POINTS: usize = 80;
 
 /// A bender by finite elements of its section, up to a pressure.
@@ -28,9 +28,9 @@ const FREE_POINTS: usize = 80;
 pub struct BendingLaw {
     pressure_max_pa: f64,
     bend_max_rad_per_m: f64,
-    /// `p_0` over the highest pressure, by powers of the bend over half of the largest, less one.
+    /// `p_0` as a share of the highest pressure, by powers of `2 k/k_max - 1`.
     free: Vec<f64>,
-    /// `A` by powers of the same and of the pressure over the highest, m3.
+    /// `A`, m3, by powers of `2 k/k_max - 1` and of `p/p_max`.
     arm_m3: Vec<[f64; DEGREES[1] + 1]>,
     /// Stiffness across the plane of the bend and torsional stiffness, N m2, by powers of the pressure over the highest.
     beside_nm2: [[f64; 4]; 2],
@@ -127,7 +127,7 @@ impl BendingLaw {
     /// Bend per length without a moment, rad/m, at a gauge pressure, Pa; `None` beyond the range.
     pub fn bend_rad_per_m(&self, pressure_pa: f64) -> Option<f64> {
         (0.0..=self.pressure_max_pa).contains(&pressure_pa).then_some(())?;
-        // The pressure rises with the bend. That of the fit is not quite 0 at rest, nor the highest one at its end.
+        // The pressure rises with the bend. At both ends the fit is off by a rounding, so the search stays within the bends.
         let (mut low, mut high) = (0.0, 1.0);
         while high - low > 1e-15 {
             let middle = 0.5 * (low + high);
@@ -301,8 +301,8 @@ mod tests {
                 }
             }
             println!("{degrees} {modulus_pa}: {seen} states, {most:?}, beyond {most_beyond:?}");
-            assert!(seen >= 15 && most[0] < 5e-4 && most[1] < 2e-3, "{degrees} {modulus_pa}: {seen} {most:?}");
-            assert!(most_beyond[0] < 2e-3 && most_beyond[1] < 2e-2, "{degrees} {modulus_pa}: {most_beyond:?}");
+            assert!(seen >= 15 && most[0] < 3e-4 && most[1] < 1.5e-3, "{degrees} {modulus_pa}: {seen} {most:?}");
+            assert!(most_beyond[0] < 1.2e-3 && most_beyond[1] < 1.5e-2, "{degrees} {modulus_pa}: {most_beyond:?}");
         }
     }
 
@@ -326,7 +326,8 @@ mod tests {
             let stiffness = answer.equilibrium().unwrap().stiffness.unwrap().by_strain;
             let found = law.beside_nm2(pressure_pa);
             for (found, expected) in found.iter().zip([stiffness[2][2], stiffness[3][3]]) {
-                assert!((found / expected - 1.0).abs() < 1e-3, "{pressure_pa}: {found} {expected}");
+                println!("{pressure_pa}: off by {:.1e}", found / expected - 1.0);
+                assert!((found / expected - 1.0).abs() < 4e-4, "{pressure_pa}: {found} {expected}");
             }
         }
     }

@@ -88,7 +88,7 @@ impl Beam<'_> {
         let rate = |s: f64, [_, _, angle, moment]: [f64; 4]| {
             let (sin, cos) = angle.sin_cos();
             let down_n = self.payload_n + weight_n_per_m * (length_m - s);
-            // The line at the outer radius keeps its length: a force along the axis bends as the moment does that it has about the line.
+            // The line at the outer radius keeps its length: a force along the axis bends the tube as its moment about that line does.
             let [bend, stretch] = self.bends.at(moment - down_n * sin * outer_radius_m);
             let slide = -down_n * cos / shear_n;
             let along = stretch * cos - slide * sin;
@@ -150,7 +150,7 @@ fn heavy_wound_bender_is_the_beam_of_finite_elements() {
                 let distance_m = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
                 let (off_m, moved_m) = (distance_m(found_m, expected_m), distance_m(found_m, free_m));
                 println!("{winding} {pressure_pa} Pa {payload_kg} kg: {moved_m:.5} m moved, {off_m:.1e} m off");
-                // The rod has the stiffness of its mean bend all along.
+                // The rod has one stiffness, that of its mean bend.
                 assert!(moved_m > 2e-3 && off_m < 1e-2 * moved_m, "{found_m:?} {expected_m:?} {free_m:?}");
             }
         }

@@ -117,7 +117,7 @@ pub struct ModuleSegment {
 }
 
 impl Module {
-    /// Each segment as a module of its own, as it is made: with its own motion, length, winding and direction.
+    /// A module for each segment, as it is made, with the motion, length, winding and direction of the segment.
     pub fn segment_modules(&self) -> Vec<Self> {
         let alone = |segment: &ModuleSegment| Self {
             motion: segment.motion,
