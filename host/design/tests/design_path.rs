@@ -7,6 +7,7 @@ mod choosing;
 mod hard_cases;
 mod remade;
 mod symmetry;
+mod wound;
 
 use nalgebra::Vector3;
 use softlimb_design::synthesis::kinds::Kind;

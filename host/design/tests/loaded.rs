@@ -127,6 +127,27 @@ fn limb_with_ends_is_found_that_stands_where_the_task_wants_it() {
     }
 }
 
+/// Bends by finite elements, of which the search has an interpolation, and the statics of the written scene the law of its own radii; and tubes with two
+/// windings.
+#[test]
+fn limb_with_wound_benders_is_found_that_stands_where_the_task_wants_it() {
+    let windings =
+        "windings.steep = { angle = \"15 deg\", families = 2, modulus = \"361 MPa\", thickness = \"0.178 mm\" }
+windings.soft = { angle = \"60 deg\", families = 2, modulus = \"0.5 MPa\", thickness = \"0.178 mm\" }
+windings.hoops";
+    let text = TASK.replace("windings.hoops", windings);
+    let goals = [[0.12, 0.0, 0.56], [0.16, 0.0, 0.58]];
+    let bender = "material = \"silicone\"\nbounds";
+    for winding in ["\"steep\"", "[\"hoops\", \"soft\"]"] {
+        let bender_wound = format!("material = \"silicone\"\nwinding = {winding}\nbounds");
+        let designed = stands_where_wanted(&read(&text.replace(bender, &bender_wound)), goals);
+        assert!(Limb::new(&designed).unwrap().modules()[0].bend().unwrap().is_by_section(), "{winding}");
+    }
+    let wound_twice = text.replace("winding = \"hoops\"", "winding = [\"hoops\", \"soft\"]");
+    let designed = stands_where_wanted(&read(&wound_twice), goals);
+    assert!(designed.modules()[1].second_fiber.is_some());
+}
+
 #[test]
 fn lengths_that_ends_use_up_are_refused_at_their_bounds() {
     let ends = "material = \"silicone\"\nend_length = \"60 mm\"";

@@ -147,14 +147,6 @@ fn run_under_weight_reaches_the_twist() {
     }
 }
 
-#[test]
-fn room_for_one_winding_names_the_second() {
-    let error = rod("seed = 3", "seed = 4").require_one_winding("`design limb`").unwrap_err().render(false);
-    assert!(error.contains("`rod` has two windings, and `design limb` takes one"), "{error}");
-    assert!(error.contains("winding = [\"helix\", \"axial\"]"), "{error}");
-    rod("[\"helix\", \"axial\"]", "\"helix\"").require_one_winding("`design limb`").unwrap();
-}
-
 /// A bender with hoops and a soft helix beside them: it bends and twists.
 fn bender(from: &str, to: &str) -> Scene {
     let text = ROD

@@ -125,13 +125,6 @@ fn two_windings_are_checked_and_otherwise_refused_at_the_line() {
     assert!((share - 1.0).abs() < 1e-5, "{designed} {checked}");
     std::fs::remove_file(desk.path("open.toml")).expect("a scene");
     std::fs::remove_file(desk.path("designed.toml")).expect("a scene");
-    let under_weight = scene.replace("[weight]\nsimulated = false\n", "");
-    let led = under_weight.replace("targets = { finger = { twist = -1.5 } }", "tip = [0.0, 0.0, 0.5]");
-    assert_ne!(led, under_weight);
-    desk.put("led.toml", &led);
-    let refused = "`finger` has two windings, and `design limb` under weight takes one";
-    desk.softlimb("design limb led.toml --out designed.toml").failed(1, &[refused, "[\"helix\", \"axial\"]"]);
-    std::fs::remove_file(desk.path("led.toml")).expect("a scene");
     assert_eq!(desk.content(), ["data.csv", "scene.toml"]);
     let made = desk.softlimb("fabricate scene.toml --no-mold --out made");
     assert!(matches!(made.code, Some(0 | 3)), "{made:?}");
@@ -168,6 +161,16 @@ fn bender_with_two_windings_is_checked_and_otherwise_refused_at_the_line() {
     ] {
         let refused = format!("`finger` twists as it bends, and `{room}` takes benders that do not");
         desk.softlimb(verb).failed(1, &[&refused, &place, "[\"hoops\", \"helix\"]"]);
+    }
+    let led = scene.replace("targets = { finger = { bend_angle = \"30 deg\" } }", "tip = [0.0, 0.0, 0.5]");
+    assert_ne!(led, scene);
+    for (text, room) in [
+        (&led, "`design limb` for way-points"),
+        (&led.replace("[weight]\nsimulated = false\n", "[weight]\n"), "a limb with `[weight]`"),
+    ] {
+        desk.put("led.toml", text);
+        let answer = desk.softlimb("design limb led.toml --out designed.toml");
+        answer.failed(1, &[&format!("`finger` twists as it bends, and {room}"), "[\"hoops\", \"helix\"]"]);
     }
     let refused = "`finger` bends and has two windings, and `tolerance` takes one";
     desk.softlimb("tolerance scene.toml").failed(1, &[refused, &place, "[\"hoops\", \"helix\"]"]);

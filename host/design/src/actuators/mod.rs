@@ -36,4 +36,5 @@ pub use answer::{
 pub use objective::Objective;
 pub use problem::{Bounds, Geometry, GeometryBounds, Goal, Problem, Segment, Sizes, Winding};
 pub use search::{Budget, Progress, SolveCounts};
+pub(super) use section::{Section as Elements, errs};
 pub use softlimb_files::problem::ProblemError;

@@ -92,7 +92,7 @@ impl Winding {
     }
 
     /// The fibers of a geometry, at an angle from the hoop, rad.
-    pub(super) fn fiber(&self, geometry: &Geometry, angle_rad: f64) -> Fiber<f64> {
+    pub(crate) fn fiber(&self, geometry: &Geometry, angle_rad: f64) -> Fiber<f64> {
         Fiber {
             angle_rad,
             families: self.families,

@@ -23,43 +23,49 @@ const INTERVALS: usize = 64;
 const GOLDEN_STEPS: usize = 50;
 
 /// A bender at a geometry by finite elements.
-pub(super) struct Section {
+pub(crate) struct Section {
     curve: StateCurve,
     /// The highest pressure that it may be given, Pa.
-    pub(super) cap_pa: f64,
+    pub(crate) cap_pa: f64,
 }
 
 /// The model of a segment's bends at the geometry found; `None` of one that finite elements are not asked for.
-pub(super) struct Model {
+pub(crate) struct Model {
     pub(super) bend: Bend,
     /// `None` where the analytic model is within the tolerance, or finite elements have no answer.
-    pub(super) section: Option<Section>,
+    pub(crate) section: Option<Section>,
+}
+
+/// Largest relative error that the analytic bend of a candidate states up to a pressure; `None` of one that finite elements are not asked for, and within where
+/// it states none.
+fn stated_error(candidate: &Candidate, cap_pa: f64) -> Option<Option<f64>> {
+    let (parameters, second) = candidate.segment.by_section(&candidate.geometry)?;
+    if second.is_some() {
+        return Some(None);
+    }
+    let analytic = StateCurve::new(&candidate.actuator, cap_pa);
+    Some(largest_bend_error(&parameters, &analytic.states()[1..]))
+}
+
+/// Whether the analytic bend of a candidate, whose pressure it allows up to `cap_pa`, may err by more than is accepted.
+pub(crate) fn errs(candidate: &Candidate, cap_pa: f64) -> bool {
+    stated_error(candidate, cap_pa).is_some_and(|error| error.is_none_or(|error| error > BEND_TOLERANCE))
 }
 
 impl Model {
     /// Of a candidate whose pressure the analytic model allows up to `cap_pa`.
     pub(super) fn new(candidate: &Candidate, cap_pa: f64) -> Option<Self> {
-        let segment = candidate.segment;
-        let (parameters, second) = segment.by_section(&candidate.geometry)?;
-        let error = match second {
-            Some(_) => None,
-            None => {
-                let analytic = StateCurve::new(&candidate.actuator, cap_pa);
-                largest_bend_error(&parameters, &analytic.states()[1..])
-            }
-        };
+        let error = stated_error(candidate, cap_pa)?;
         if error.is_some_and(|error| error <= BEND_TOLERANCE) {
             return Some(Self { bend: Bend::Analytic(error), section: None });
         }
-        let (highest_pa, share) = (segment.pressure_max_pa, 1.0 - segment.limit_margin);
-        // The very curve that `check` has of such a module.
-        let section = StateCurve::by_section(&parameters, second.as_ref(), highest_pa).ok().map(|curve| {
-            // A limit point above the highest pressure may still leave too little margin.
-            let limit_pa =
-                curve.limit_point_pa().or_else(|| limit_pa(&parameters, second.as_ref(), highest_pa / share));
-            let allowed_pa = limit_pa.map_or(f64::INFINITY, |limit_pa| share * limit_pa);
-            Section { cap_pa: highest_pa.min(allowed_pa).min(curve.pressure_max_pa()), curve }
-        });
+        Self::by_section(candidate, error)
+    }
+
+    /// By finite elements where they have an answer, whatever the analytic model states.
+    fn by_section(candidate: &Candidate, error: Option<f64>) -> Option<Self> {
+        let (_, second) = candidate.segment.by_section(&candidate.geometry)?;
+        let section = Section::new(candidate).ok();
         let bend = match (&section, second) {
             (None, _) => Bend::Analytic(error),
             (Some(_), None) => Bend::SectionFe(error),
@@ -84,16 +90,38 @@ fn limit_pa(parameters: &ActuatorParameters<f64>, second: Option<&Fiber<f64>>, p
 }
 
 impl Section {
+    /// Of a candidate.
+    ///
+    /// # Errors
+    /// The reason why finite elements have no bends of it.
+    pub(crate) fn new(candidate: &Candidate) -> Result<Self, String> {
+        let segment = candidate.segment;
+        let (parameters, second) = segment.by_section(&candidate.geometry).ok_or("it has no winding")?;
+        let (highest_pa, share) = (segment.pressure_max_pa, 1.0 - segment.limit_margin);
+        // The very curve that `check` has of such a module.
+        let curve = StateCurve::by_section(&parameters, second.as_ref(), highest_pa)?;
+        // A limit point above the highest pressure may still leave too little margin.
+        let limit_pa = curve.limit_point_pa().or_else(|| limit_pa(&parameters, second.as_ref(), highest_pa / share));
+        let allowed_pa = limit_pa.map_or(f64::INFINITY, |limit_pa| share * limit_pa);
+        Ok(Self { cap_pa: highest_pa.min(allowed_pa).min(curve.pressure_max_pa()), curve })
+    }
+
+    /// The state with a bend angle, rad; `None` beyond the highest pressure.
+    pub(crate) fn bent(&self, bend_angle_rad: f64) -> Option<State<f64>> {
+        let state = self.curve.find(|state| state.bend_angle_rad, bend_angle_rad)?;
+        (state.pressure_pa <= self.cap_pa * (1.0 + 1e-9)).then_some(state)
+    }
+
     /// The state at a pressure; `None` beyond the highest one.
-    pub(super) fn at(&self, pressure_pa: f64) -> Option<State<f64>> {
+    pub(crate) fn at(&self, pressure_pa: f64) -> Option<State<f64>> {
         (pressure_pa <= self.cap_pa * (1.0 + 1e-9)).then(|| self.curve.at(pressure_pa.min(self.cap_pa)))
     }
 
     /// The best pressure for a goal, Pa, where it is free: of a goal beyond reach that of the nearest bend, with an effort the best compromise.
     pub(super) fn pressure_pa(&self, goal: Option<&Goal>, effort_per_pa2: f64) -> f64 {
         let Some(goal) = goal.filter(|goal| goal.weight > 0.0) else { return 0.0 };
-        let reached = self.curve.find(|state| state.bend_angle_rad, goal.value);
-        let reached = reached.map(|state| state.pressure_pa).filter(|pressure_pa| *pressure_pa <= self.cap_pa);
+        let reached =
+            self.bent(goal.value).map(|state| state.pressure_pa).filter(|pressure_pa| *pressure_pa <= self.cap_pa);
         if let (Some(pressure_pa), true) = (reached, effort_per_pa2 == 0.0) {
             return pressure_pa;
         }

@@ -2,16 +2,16 @@
 
 use std::f64::consts::PI;
 
-use fra_model::{Arrangement, Motion, Placement};
+use fra_model::{Arrangement, Motion};
 
 use super::error::BriefError;
-use super::space::length_m;
+use super::space::{length_m, second, section, wound};
 use super::task::{SPARE_M, inside};
-use crate::actuators::Winding;
 use crate::loaded::{
-    BaseSpace, CarriedBody, Evaluation, LimbSpace, LoadedPose, LoadedTask, ModuleSpace, StandingLimits,
+    BaseSpace, CarriedBody, Evaluation, Laws, LimbSpace, LoadedPose, LoadedTask, ModuleSpace, StandingLimits,
 };
 use crate::synthesis::{Aim, Direction, Obstacle};
+use softlimb_limb::Limb;
 use softlimb_scene::collision::Shape;
 use softlimb_scene::{
     Bounds, Goal, Gripper, Located, Module, ModuleBounds, Phase, Rebase, Redesign, RewriteError, Scene, SceneError,
@@ -30,13 +30,15 @@ pub struct LoadedDesign {
 /// The task of a scene with weight: its phases with what they carry, its obstacles, and its modules within their bounds.
 ///
 /// # Errors
-/// A diagnostic at a phase that does not lead the tip to a place, at a choice of kinds, and at a winding within the wall.
+/// A diagnostic at a phase that does not lead the tip to a place, at a choice of kinds, at a winding within the wall, and those of [`Limb::new`].
 pub fn loaded_design(scene: &Scene) -> Result<LoadedDesign, BriefError> {
     if let Some(choice) = scene.design().and_then(|design| design.choice.as_ref()) {
         let title = "kinds of modules are not chosen under weight";
         let help = Some("remove `modules` and `motions`, or search with `simulated = false` in `[weight]` first");
         return Err(scene.diagnostic(choice.span, title, "motions and their order are left open here", help).into());
     }
+    // Refuses benders that twist.
+    Limb::new(scene)?;
     let modules = scene.modules().iter().enumerate();
     let modules = modules.map(|(index, module)| module_space(scene, index, module)).collect::<Result<_, _>>()?;
     let limb = scene.limb();
@@ -124,30 +126,18 @@ fn module_space(scene: &Scene, index: usize, module: &Module) -> Result<ModuleSp
     let bounds = design.and_then(|design| design.modules.get(index)).unwrap_or(&open);
     let pair = |bounds: Option<Located<Bounds>>, own: f64| bounds.map_or([own; 2], |bounds| *bounds);
     let bender = *module.motion == Motion::Bending;
+    let inner_m = *module.inner_radius_m;
+    let section = section(scene, module)?;
     let winding = match &module.fiber {
-        Some(fiber) if !bender || fiber.shrinks_bends() => {
-            if fiber.placement == Placement::Layer || fiber.radius_m != *module.outer_radius_m {
-                let title = "a design winds actuators on their outer face or through the whole wall";
-                let help = Some("give the module a winding without `radius`");
-                return Err(scene.diagnostic(fiber.span, title, "this one lies within the wall", help));
-            }
-            Some(Winding {
-                families: fiber.families,
-                modulus_pa: fiber.modulus_pa,
-                placement: fiber.placement,
-                thickness_m: fiber.thickness_m,
-                wall_share: 1.0,
-            })
-        }
-        _ => None,
+        Some(fiber) if !bender || fiber.shrinks_bends() => Some(wound(scene, module, fiber)?),
+        _ => section,
     };
     let (in_row, own_m, spread) = match module.arrangement {
         Arrangement::Circle { radius_m } => (false, radius_m, bounds.circle_radius_m),
         Arrangement::Row { spacing_m } => (true, spacing_m, bounds.spacing_m),
     };
     let turn = if bender && design.is_some_and(|design| design.mount_angle_free) { PI } else { 0.0 };
-    let inner_m = *module.inner_radius_m;
-    Ok(ModuleSpace {
+    let mut space = ModuleSpace {
         name: module.name.to_string(),
         motion: *module.motion,
         actuators: module.actuators,
@@ -155,6 +145,8 @@ fn module_space(scene: &Scene, index: usize, module: &Module) -> Result<ModuleSp
         material: *module.material,
         density_kg_per_m3: module.density_kg_per_m3,
         winding,
+        second: second(scene, module)?,
+        laws: None,
         inner_radius_m: pair(bounds.inner_radius_m, inner_m),
         wall_m: pair(bounds.wall_m, *module.outer_radius_m - inner_m),
         length_m: length_m(scene, module, bounds)?,
@@ -166,7 +158,22 @@ fn module_space(scene: &Scene, index: usize, module: &Module) -> Result<ModuleSp
         steering: module.steering,
         mount_angle_rad: [module.mount_angle_rad - turn, module.mount_angle_rad + turn],
         pressure_max_pa: *module.pressure_max_pa,
-    })
+    };
+    if section.is_some() && space.bends_err() {
+        space.laws = Some(Laws::default());
+        let ends = [0, 1].map(|end: usize| space.inner_radius_m[end] + space.wall_m[end]);
+        space.law([space.inner_radius_m[0], ends[0]]).map_err(|radii_m| no_law(scene, module, radii_m))?;
+    }
+    Ok(space)
+}
+
+fn no_law(scene: &Scene, module: &Module, radii_m: [f64; 2]) -> SceneError {
+    let [inner_mm, outer_mm] = radii_m.map(|radius_m| 1e3 * radius_m);
+    let title = format!("finite elements do not tell how a load bends `{}` everywhere within its bounds", *module.name);
+    let label = format!("radii of {inner_mm:.3} mm and {outer_mm:.3} mm have too few equilibria");
+    let help =
+        "narrow the bounds, or take the analytic model, of one winding: `bending = \"analytic\"` in [controller]";
+    scene.diagnostic(module.span, &title, &label, Some(help))
 }
 
 fn poses(scene: &Scene) -> Result<Vec<LoadedPose>, SceneError> {

@@ -76,7 +76,7 @@ pub(super) fn segment(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> 
 }
 
 /// The winding of a bender by finite elements, where `check` may bend it by them.
-fn section(scene: &Scene, module: &Module) -> Result<Option<Winding>, SceneError> {
+pub(super) fn section(scene: &Scene, module: &Module) -> Result<Option<Winding>, SceneError> {
     let wound_bender = |fiber: &&Located<Fiber<f64>>| *module.motion == Motion::Bending && fiber.modulus_pa > 0.0;
     let Some(first) = module.fiber.as_ref().filter(wound_bender) else { return Ok(None) };
     if module.second_fiber.is_none() && scene.controller().bending == BendingModel::Analytic {
@@ -86,7 +86,7 @@ fn section(scene: &Scene, module: &Module) -> Result<Option<Winding>, SceneError
 }
 
 /// The second winding, which keeps its angle.
-fn second(scene: &Scene, module: &Module) -> Result<Option<(Winding, f64)>, SceneError> {
+pub(super) fn second(scene: &Scene, module: &Module) -> Result<Option<(Winding, f64)>, SceneError> {
     let second = module.second_fiber.as_ref();
     second.map(|fiber| Ok((wound(scene, module, fiber)?, fiber.angle_rad))).transpose()
 }
@@ -133,7 +133,7 @@ fn overlap(scene: &Scene, module: &Module, bounds: &ModuleBounds, outer_m: f64) 
     Err(scene.diagnostic(span, &title, &label, Some(&help)))
 }
 
-fn wound(scene: &Scene, module: &Module, fiber: &Located<Fiber<f64>>) -> Result<Winding, SceneError> {
+pub(super) fn wound(scene: &Scene, module: &Module, fiber: &Located<Fiber<f64>>) -> Result<Winding, SceneError> {
     let outside = fiber.radius_m == *module.outer_radius_m;
     if fiber.placement == Placement::Layer || (fiber.placement == Placement::Sheet && !outside) {
         let label = "this one lies within the wall";

@@ -30,12 +30,14 @@ pub struct Tasked {
 /// The task of a scene: its way-points, regions and obstacles, with its modules within their bounds.
 ///
 /// # Errors
-/// A diagnostic at a phase whose goal is none for the tip, at a steering module, at a module whose actuators plates hold back, and those of the bounds and of
-/// [`Limb::new`].
+/// A diagnostic at a phase whose goal is none for the tip, at a steering module, at a bender that twists, at a module whose actuators plates hold back, and
+/// those of the bounds and of [`Limb::new`].
 pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
     refuse_steering(scene)?;
+    let limb = Limb::new(scene)?;
+    limb.require_plane_benders(scene, "`design limb` for way-points")?;
     // A bundle that holds itself is refused before it is searched for.
-    refuse_restrained(scene, &Limb::new(scene)?)?;
+    refuse_restrained(scene, &limb)?;
     let patterns = patterns(scene);
     let spaces = patterns.iter().map(|index| space(scene, *index)).collect::<Result<Vec<_>, _>>()?;
     let mut way_points = Vec::new();

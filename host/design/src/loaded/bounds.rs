@@ -77,9 +77,8 @@ pub fn active_bounds(
     if found.evaluation.poses.iter().any(|pose| pose.shares.iter().any(|share| *share >= full)) {
         let highest = space.modules.iter().map(|module| module.pressure_max_pa).fold(0.0, f64::max);
         let moved = |by: f64| {
-            let mut wider = space.clone();
-            wider.modules.iter_mut().for_each(|module| module.pressure_max_pa *= 1.0 + 0.5 * by);
-            (wider, highest * (1.0 + 0.5 * by))
+            let factor = 1.0 + 0.5 * by;
+            (space.with_pressures(factor), highest * factor)
         };
         all.extend(tried(task, found, (None, "pressure_max", highest), &values, stop, moved));
     }

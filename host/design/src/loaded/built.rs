@@ -7,8 +7,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use fra_model::{Actuator, Load, Motion, Status};
 use nalgebra::{Isometry3, Vector3};
 
+use super::laws::Laws;
 use super::space::{LimbSizes, LimbSpace};
 use super::task::LoadedTask;
+use softlimb_fea::cross_section::BendingLaw;
 use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, LoadedLimb, Piece, Rod, Spring};
 
 /// One module of it.
@@ -16,6 +18,10 @@ use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, LoadedLimb, Piece, Rod, S
 pub(super) struct BuiltModule {
     motion: Motion,
     actuator: Actuator<f64>,
+    /// Of a bender whose bends are those of finite elements.
+    law: Option<Arc<BendingLaw>>,
+    /// Where it comes from.
+    laws: Option<Laws>,
     positions_m: Vec<[f64; 2]>,
     /// Length of the part that moves, m.
     pub(super) length_m: f64,
@@ -71,6 +77,7 @@ impl Built {
             sizes.modules[index] == near_sizes.modules[index]
                 && reserve == near.reserve
                 && space.modules[index].pressure_max_pa == near.modules[index].pressure_max_pa
+                && space.modules[index].laws == near.modules[index].laws
         };
         Self::with(task, space, sizes, reserve, |index| same(index).then(|| near.modules[index].clone()))
     }
@@ -88,8 +95,12 @@ impl Built {
                 modules.push(module);
                 continue;
             }
-            let actuator = Actuator::new(&module.actuator(size)).ok()?;
-            let limit_pa = ceiling_pa(&actuator, module.pressure_max_pa)?;
+            let actuator = module.actuator(size)?;
+            let law = module.law(size.radii_m).ok()?;
+            let limit_pa = match &law {
+                Some(law) => law.pressure_max_pa().min(module.pressure_max_pa),
+                None => ceiling_pa(&actuator, module.pressure_max_pa)?,
+            };
             let arrangement = module.arrangement(size);
             let moving_m = module.moving_m(size);
             let next_m = space.modules.get(index + 1).map_or(0.0, |next| next.end_m);
@@ -102,6 +113,8 @@ impl Built {
                 steering: module.steering,
                 span_pa: task.limits.pressure_share / (1.0 + reserve) * limit_pa,
                 actuator,
+                law,
+                laws: module.laws.clone(),
                 positions_m: arrangement.positions_m(module.actuators).collect(),
                 length_m: moving_m,
                 bay_m: moving_m / (f64::from(size.spacers) + 1.0),
@@ -218,7 +231,10 @@ impl BuiltModule {
         let springs = || self.springs.lock().unwrap_or_else(PoisonError::into_inner);
         let known = springs().iter().find(|(at, _)| *at == pressure_pa).map(|(_, spring)| spring.clone());
         known.or_else(|| {
-            let spring = Spring::new(&self.actuator, pressure_pa)?;
+            let spring = match &self.law {
+                Some(law) => Spring::by_section(&self.actuator, law, pressure_pa),
+                None => Spring::new(&self.actuator, pressure_pa),
+            }?;
             springs().push((pressure_pa, spring.clone()));
             Some(spring)
         })

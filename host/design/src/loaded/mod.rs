@@ -12,6 +12,7 @@ mod confirm;
 mod evaluate;
 mod hinges;
 mod inverse;
+mod laws;
 mod limits;
 mod local_solve;
 mod moves;
@@ -31,6 +32,7 @@ pub use bounds::{ActiveBound, active_bounds};
 pub use built::Built;
 pub use confirm::{ConfirmedPose, LOAD_FACTOR_MOST, REACHED_M};
 pub use evaluate::{Evaluation, Judgement, evaluate};
+pub use laws::Laws;
 pub use limits::{Margin, StandingLimits};
 #[cfg(test)]
 pub(crate) use local_solve::compared::{Compared, compare};

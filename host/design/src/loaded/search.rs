@@ -107,11 +107,18 @@ pub fn search_to_run(
     });
     let (best, refused_before) = race.winner()?;
     let Candidate { minimum, mut by, keeps: mut reached, refused } = best;
-    let (point, limb) = (minimum.point, minimum.evaluation.limb);
+    let (point, mut limb) = (minimum.point, minimum.evaluation.limb);
+    if space.modules.iter().any(|module| module.laws.is_some()) {
+        // By the laws of its own radii, the same as those of `check`.
+        limb = limb.reaching(task, &space.at_radii(&limb.sizes), &by).unwrap_or(limb);
+    }
     let confirmed = if effort.by_tubes { confirm(task, &limb, &by) } else { Vec::new() };
-    if effort.by_tubes && !reached {
+    let keeps_all = || confirmed.iter().all(|pose| pose.lacks.is_empty());
+    if effort.by_tubes && reached {
+        reached = keeps_all();
+    } else if effort.by_tubes {
         // A limb that lacks a part of the reserve alone keeps every margin, too.
-        reached = confirmed.iter().all(|pose| pose.lacks.is_empty());
+        reached = keeps_all();
         by.reserve = 0.0;
     }
     let evaluations = evaluations.into_inner();

@@ -1,11 +1,15 @@
 //! What a limb may be: bounds, and their unit box.
 
-use fra_model::{ActuatorParameters, Arrangement, Fiber, Material, Motion};
+use std::sync::Arc;
+
+use fra_model::{Actuator, ActuatorParameters, Arrangement, Fiber, Material, Motion};
 use nalgebra::{Isometry3, Translation3, Vector3};
 use serde::Serialize;
 
-use crate::actuators::{Bounds, Winding};
-use softlimb_limb::base_pose;
+use super::laws::Laws;
+use crate::actuators::{Bounds, Geometry, Winding};
+use softlimb_fea::cross_section::{BEND_TOLERANCE, BendingLaw, largest_bend_error};
+use softlimb_limb::{StateCurve, base_pose, reference_max_pa};
 
 /// Air between actuators side by side, m.
 const APART_M: f64 = 1e-3;
@@ -42,6 +46,10 @@ pub struct ModuleSpace {
     pub density_kg_per_m3: f64,
     /// The winding but for its angle; `None` for a bender wound as a hoop.
     pub winding: Option<Winding>,
+    /// A second winding that is given, and its angle from the hoop, rad.
+    pub second: Option<(Winding, f64)>,
+    /// The laws of a bender by finite elements of its section; `None` where the analytic model has the bends, which takes one winding.
+    pub laws: Option<Laws>,
     /// Bounds of the inner radius, m; > 0.
     pub inner_radius_m: Bounds,
     /// Bounds of the wall, m; > 0.
@@ -171,6 +179,29 @@ impl LimbSpace {
         let sizes = space.modules.iter_mut().flat_map(ModuleSpace::axes_mut);
         let open = base.map(Some).chain(sizes).flatten().filter(|[low, high]| high > low);
         open.skip(variable).take(1).for_each(|old| *old = bounds);
+        let modules = space.modules.iter_mut().zip(&self.modules);
+        modules.filter(|(own, before)| own != before).for_each(|(own, _)| own.forget_laws());
+        space
+    }
+
+    /// The same with another highest pressure of all modules, by a factor.
+    pub(super) fn with_pressures(&self, factor: f64) -> Self {
+        let mut space = self.clone();
+        for module in &mut space.modules {
+            module.pressure_max_pa *= factor;
+            module.forget_laws();
+        }
+        space
+    }
+
+    /// The same for a limb of these radii, whose laws are not interpolated.
+    pub(super) fn at_radii(&self, sizes: &LimbSizes) -> Self {
+        let mut space = self.clone();
+        for (module, sizes) in space.modules.iter_mut().zip(&sizes.modules) {
+            let [inner_m, outer_m] = sizes.radii_m;
+            (module.inner_radius_m, module.wall_m) = ([inner_m; 2], [outer_m - inner_m; 2]);
+            module.forget_laws();
+        }
         space
     }
 
@@ -245,6 +276,11 @@ impl ModuleSpace {
         ]
     }
 
+    /// Makes laws anew when they are next asked for: those of other bounds or pressures do not do.
+    fn forget_laws(&mut self) {
+        self.laws = self.laws.as_ref().map(|_| Laws::default());
+    }
+
     fn sizes(&self, mut next: impl FnMut(Bounds) -> f64) -> ModuleSizes {
         let [inner, wall, length, angle, spread, mount] = self.axes().map(|(_, bounds)| bounds);
         let [inner_m, wall_m, length_m, angle_rad] = [inner, wall, length, angle].map(&mut next);
@@ -278,23 +314,62 @@ impl ModuleSpace {
         sizes.length_m - 2.0 * self.end_m
     }
 
-    /// One of its actuators, as long as the part that moves.
-    pub(super) fn actuator(&self, sizes: &ModuleSizes) -> ActuatorParameters<f64> {
-        let [inner_radius_m, outer_radius_m] = sizes.radii_m;
-        ActuatorParameters {
-            motion: self.motion,
-            inner_radius_m,
-            outer_radius_m,
-            length_m: self.moving_m(sizes),
-            material: self.material,
-            fiber: self.winding.map(|winding| Fiber {
-                angle_rad: sizes.angle_rad,
-                families: winding.families,
-                modulus_pa: winding.modulus_pa,
-                placement: winding.placement,
-                thickness_m: winding.thickness_m,
-                radius_m: outer_radius_m,
-            }),
+    /// One of its actuators, as long as the part that moves, by the analytic model; of a bender without its second winding. `None` where the model refuses it.
+    pub(super) fn actuator(&self, sizes: &ModuleSizes) -> Option<Actuator<f64>> {
+        let geometry = geometry(sizes.radii_m, self.moving_m(sizes), sizes.angle_rad);
+        let actuator = Actuator::new(&self.parameters(&geometry)).ok()?;
+        match self.second_fiber(&geometry).filter(|_| self.motion != Motion::Bending) {
+            Some(second) => actuator.with_second_fiber(&second).ok(),
+            None => Some(actuator),
         }
     }
+
+    /// A bender of inner and outer radius, m, and its second winding, for finite elements of its section. These have no length.
+    pub(crate) fn wound(&self, radii_m: [f64; 2]) -> (ActuatorParameters<f64>, Option<Fiber<f64>>) {
+        let geometry = geometry(radii_m, self.length_m[0] - 2.0 * self.end_m, self.angle_rad[0]);
+        (self.parameters(&geometry), self.second_fiber(&geometry))
+    }
+
+    fn parameters(&self, geometry: &Geometry) -> ActuatorParameters<f64> {
+        ActuatorParameters {
+            motion: self.motion,
+            inner_radius_m: geometry.inner_radius_m,
+            outer_radius_m: geometry.outer_radius_m,
+            length_m: geometry.length_m,
+            material: self.material,
+            fiber: self.winding.map(|winding| winding.fiber(geometry, geometry.angle_rad)),
+        }
+    }
+
+    fn second_fiber(&self, geometry: &Geometry) -> Option<Fiber<f64>> {
+        self.second.map(|(winding, angle_rad)| winding.fiber(geometry, angle_rad))
+    }
+
+    /// Whether the analytic bend of a section within the bounds may err by more than is accepted, or takes not all its windings.
+    pub(crate) fn bends_err(&self) -> bool {
+        if self.second.is_some() {
+            return true;
+        }
+        let ends = |[low, high]: Bounds| [low, 0.5 * (low + high), high];
+        let [inner, wall] = [self.inner_radius_m, self.wall_m].map(ends);
+        let mut radii = inner.iter().flat_map(|inner| wall.iter().map(move |wall| [*inner, inner + wall]));
+        radii.any(|radii_m| {
+            let (parameters, _) = self.wound(radii_m);
+            let Ok(actuator) = Actuator::new(&parameters) else { return false };
+            let analytic = StateCurve::new(&actuator, reference_max_pa(self.pressure_max_pa));
+            largest_bend_error(&parameters, &analytic.states()[1..]).is_none_or(|error| error > BEND_TOLERANCE)
+        })
+    }
+
+    /// The law of a bender with inner and outer radius, m, where finite elements have its bends.
+    ///
+    /// # Errors
+    /// As [`Laws::at`].
+    pub(crate) fn law(&self, radii_m: [f64; 2]) -> Result<Option<Arc<BendingLaw>>, [f64; 2]> {
+        self.laws.as_ref().map(|laws| laws.at(self, radii_m)).transpose()
+    }
+}
+
+fn geometry([inner_radius_m, outer_radius_m]: [f64; 2], length_m: f64, angle_rad: f64) -> Geometry {
+    Geometry { inner_radius_m, outer_radius_m, length_m, angle_rad }
 }

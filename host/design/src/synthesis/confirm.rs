@@ -121,7 +121,7 @@ fn air(made: &[Made], shapes: &[Shape]) -> f64 {
     let free = |state: &State<f64>| state.volume_m3 * (state.pressure_pa + ATMOSPHERE_PA) / ATMOSPHERE_PA;
     let mut sum = 0.0;
     for (module, made) in made.iter().enumerate() {
-        let mut before = free(&made.section.candidate.actuator.rest());
+        let mut before = free(made.section.rest());
         for shape in shapes {
             let now = free(&shape.states[module]);
             sum += f64::from(made.actuators) * (now - before).max(0.0);

@@ -1,6 +1,6 @@
 //! A limb as it will be made, asked of the model and of its kinematics.
 
-use fra_model::{Link, Load, Motion, Segment, State, Status};
+use fra_model::{Link, Motion, Segment, State};
 use nalgebra::{Isometry3, Vector3};
 
 use super::aim::{MM, missed};
@@ -38,9 +38,7 @@ pub(super) struct Shape {
 impl Made<'_> {
     /// The forward solution at the pressure of a share.
     pub(super) fn pressed(&self, share: f64) -> Option<State<f64>> {
-        let pressure_pa = self.section.state(share)?.pressure_pa.max(0.0);
-        let solution = self.section.candidate.actuator.forward(pressure_pa, &Load::none()).ok()?;
-        (solution.status == Status::Solved).then_some(solution.state)
+        self.section.at(self.section.state(share)?.pressure_pa.max(0.0))
     }
 
     /// Length of the part that moves, m.

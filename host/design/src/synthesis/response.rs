@@ -7,7 +7,7 @@
 use fra_model::{Motion, State};
 
 use super::task::Space;
-use crate::actuators::{Candidate, Counts};
+use crate::actuators::{Candidate, Counts, Elements, Geometry, errs};
 
 /// Length, bend and twist of the bundle per length of the actuators at rest (1, rad/m, rad/m), outer radius of an actuator (m) and gauge
 /// pressure (Pa).
@@ -18,9 +18,20 @@ pub(super) const RADIUS: usize = 3;
 /// Pressures at which a deformation that turns back is looked for.
 const SCANNED: usize = 32;
 
+fn what(geometry: &Geometry, reason: &str) -> String {
+    format!(
+        "inner radius {:.3} mm, outer radius {:.3} mm, fiber angle {:.2} deg: {reason}",
+        geometry.inner_radius_m * 1e3,
+        geometry.outer_radius_m * 1e3,
+        geometry.angle_rad.to_degrees()
+    )
+}
+
 /// A section with the two ends of its range.
 pub(super) struct Section<'a> {
     pub(super) candidate: Candidate<'a>,
+    /// The bender by finite elements of its section, where the analytic bend may err by more than is accepted.
+    elements: Option<Elements>,
     reach_m: f64,
     rest: State<f64>,
     end: State<f64>,
@@ -29,15 +40,32 @@ pub(super) struct Section<'a> {
 impl<'a> Section<'a> {
     /// `place` is that of the geometry in its unit box. The error says why there is no such section.
     pub(super) fn new(space: &'a Space, place: &[f64; 4]) -> Result<Self, String> {
+        let section = Self::analytic(space, place)?;
+        if section.errs() { section.with_elements() } else { Ok(section) }
+    }
+
+    /// Whether the analytic bend may err by more than is accepted.
+    pub(super) fn errs(&self) -> bool {
+        errs(&self.candidate, self.end.pressure_pa)
+    }
+
+    /// The same bender by finite elements.
+    pub(super) fn with_elements(self) -> Result<Self, String> {
+        let elements = Elements::new(&self.candidate)
+            .map_err(|reason| self.what(&format!("finite elements do not bend it: {reason}")))?;
+        let ends = elements.at(0.0).zip(elements.at(elements.cap_pa));
+        let (rest, end) = ends.ok_or_else(|| self.what("no equilibrium at its highest pressure"))?;
+        Ok(Self { elements: Some(elements), rest, end, ..self })
+    }
+
+    fn what(&self, reason: &str) -> String {
+        what(&self.candidate.geometry, reason)
+    }
+
+    /// The same by the analytic model alone.
+    pub(super) fn analytic(space: &'a Space, place: &[f64; 4]) -> Result<Self, String> {
         let geometry = space.segment.geometry(place);
-        let what = |reason: &str| {
-            format!(
-                "inner radius {:.3} mm, outer radius {:.3} mm, fiber angle {:.2} deg: {reason}",
-                geometry.inner_radius_m * 1e3,
-                geometry.outer_radius_m * 1e3,
-                geometry.angle_rad.to_degrees()
-            )
-        };
+        let what = |reason: &str| what(&geometry, reason);
         if let Err(error) = space.segment.actuator(&geometry) {
             return Err(what(&error.to_string()));
         }
@@ -46,15 +74,32 @@ impl<'a> Section<'a> {
         let cap = candidate.cap(counts).ok_or_else(|| what("its limit point is not found"))?;
         let end =
             candidate.at(cap.pressure_pa, counts).ok_or_else(|| what("no equilibrium at its highest pressure"))?;
-        let mut section = Self { rest: candidate.actuator.rest(), candidate, reach_m: space.reach_m, end };
+        let rest = candidate.actuator.rest();
+        let mut section = Self { rest, candidate, elements: None, reach_m: space.reach_m, end };
         if section.states(&[0.25, 0.5, 0.75]).is_none() {
             section.end = section.before_turning(cap.pressure_pa);
         }
         Ok(section)
     }
 
-    fn at(&self, pressure_pa: f64) -> Option<State<f64>> {
-        self.candidate.at(pressure_pa, &mut Counts::default())
+    /// The state at a pressure; `None` beyond the highest one.
+    pub(super) fn at(&self, pressure_pa: f64) -> Option<State<f64>> {
+        match &self.elements {
+            Some(elements) => elements.at(pressure_pa),
+            None => self.candidate.at(pressure_pa, &mut Counts::default()),
+        }
+    }
+
+    /// The state without pressure.
+    pub(super) fn rest(&self) -> &State<f64> {
+        &self.rest
+    }
+
+    fn inverse(&self, value: f64) -> Option<State<f64>> {
+        match &self.elements {
+            Some(elements) => elements.bent(value),
+            None => self.candidate.inverse(value, &mut Counts::default()),
+        }
     }
 
     /// The last of evenly spaced states up to which the deformation goes one way.
@@ -97,7 +142,6 @@ impl<'a> Section<'a> {
 
     /// The state at a share of the range.
     pub(super) fn state(&self, share: f64) -> Option<State<f64>> {
-        let counts = &mut Counts::default();
         let [rest, end] = [self.rest, self.end].map(|state| self.candidate.measure(&state));
         if share <= 0.0 || (end - rest).abs() <= 1e-9 * end.abs() {
             return self.at(share.max(0.0) * self.end.pressure_pa);
@@ -105,7 +149,7 @@ impl<'a> Section<'a> {
         if share >= 1.0 {
             return Some(self.end);
         }
-        let state = self.candidate.inverse(self.deformation(share), counts)?;
+        let state = self.inverse(self.deformation(share))?;
         (state.pressure_pa > -1e-6 && state.pressure_pa <= self.end.pressure_pa * (1.0 + 1e-9)).then_some(state)
     }
 

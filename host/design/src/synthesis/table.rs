@@ -96,16 +96,21 @@ impl Table {
         let shares = nodes(depth);
         let mut values = Vec::with_capacity(sizes.iter().product::<usize>() * FIELDS * depth);
         let along = sizes.map(nodes);
+        let bounds = |reason| TaskError::Bounds { place: format!("module {}", space.segment.name), reason };
+        let mut sections = Vec::with_capacity(sizes.iter().product());
         for x in &along[0] {
             for y in &along[1] {
                 for z in &along[2] {
-                    let section = Section::new(space, &[*x, *y, 0.5, *z]);
-                    let fields = section.and_then(|section| section.fields(&shares)).map_err(|reason| {
-                        TaskError::Bounds { place: format!("module {}", space.segment.name), reason }
-                    })?;
-                    (0..FIELDS).for_each(|field| values.extend(fields.iter().map(|at| at[field])));
+                    sections.push(Section::analytic(space, &[*x, *y, 0.5, *z]).map_err(bounds)?);
                 }
             }
+        }
+        // One model for all: between two models the polynomial would have a step.
+        let by_elements = sections.iter().any(Section::errs);
+        for section in sections {
+            let section = if by_elements { section.with_elements() } else { Ok(section) };
+            let fields = section.and_then(|section| section.fields(&shares)).map_err(bounds)?;
+            (0..FIELDS).for_each(|field| values.extend(fields.iter().map(|at| at[field])));
         }
         let inner = FIELDS * depth;
         transform(&mut values, depth, 1);

@@ -100,6 +100,36 @@ impl BendingLaw {
         }))
     }
 
+    /// A law between others: their sum with weights that sum to 1, as an interpolation over sizes of the section has them; `None` without any.
+    pub fn between<'a>(laws: impl IntoIterator<Item = (f64, &'a Self)>) -> Option<Self> {
+        let mut sum: Option<Self> = None;
+        for (weight, law) in laws {
+            let mut scaled = law.clone();
+            scaled.numbers_mut().for_each(|number| *number *= weight);
+            match &mut sum {
+                None => sum = Some(scaled),
+                Some(sum) => sum.numbers_mut().zip(scaled.numbers_mut()).for_each(|(sum, number)| *sum += *number),
+            }
+        }
+        sum
+    }
+
+    /// The law of a section that is larger by a factor, at the same pressures.
+    #[must_use]
+    pub fn enlarged(&self, factor: f64) -> Self {
+        let mut law = self.clone();
+        law.bend_max_rad_per_m /= factor;
+        law.arm_m3.iter_mut().flatten().for_each(|arm| *arm *= factor.powi(3));
+        law.beside_nm2.iter_mut().flatten().for_each(|spring| *spring *= factor.powi(4));
+        law
+    }
+
+    fn numbers_mut(&mut self) -> impl Iterator<Item = &mut f64> {
+        let [across, torsion] = &mut self.beside_nm2;
+        let ends = [&mut self.pressure_max_pa, &mut self.bend_max_rad_per_m].into_iter();
+        ends.chain(&mut self.free).chain(self.arm_m3.iter_mut().flatten()).chain(across).chain(torsion)
+    }
+
     /// The highest pressure, gauge Pa.
     pub fn pressure_max_pa(&self) -> f64 {
         self.pressure_max_pa

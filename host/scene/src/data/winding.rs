@@ -23,18 +23,6 @@ impl Scene {
         Err(self.diagnostic(second.span, &title, "the second segment", Some(help)))
     }
 
-    /// Refuses a module with two windings or several segments, for a room that computes with one.
-    ///
-    /// # Errors
-    /// [`SceneError`] at the second segment or the name of the second winding.
-    pub fn require_one_winding(&self, room: &str) -> Result<(), SceneError> {
-        self.require_no_segments(room)?;
-        let wound_twice = self.modules().iter().find_map(|module| Some((module, module.second_fiber?)));
-        let Some((module, second)) = wound_twice else { return Ok(()) };
-        let title = format!("`{}` has two windings, and {room} takes one", &*module.name);
-        Err(self.diagnostic(second.span, &title, "the second winding", None))
-    }
-
     /// Refuses a bending module with two windings and any of several segments, for a room that has no model of one.
     ///
     /// # Errors

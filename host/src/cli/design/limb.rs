@@ -72,7 +72,7 @@ impl LimbDesign {
             let (modules, targets) = redesigned_targets(&scene, &answer);
             let file = self.write(&scene, &modules, Some(&targets))?;
             let printed = with_ends(&scene, &answer);
-            let designed = Designed::new(&file, |_| true, short(&answer));
+            let designed = Designed::new(&file, short(&answer));
             self.say(&scene, &file, &printed, (Vec::new(), &designed), || table(&printed))?;
             return self.judge(
                 &file,
@@ -82,11 +82,8 @@ impl LimbDesign {
             );
         }
         if !scene.weightless() {
-            scene.require_one_winding("`design limb` under weight")?;
             return super::loaded::design(&scene, &self.file_out(), self.search.seed, self.json);
         }
-        // A plan confirms bends by finite elements, and this search has those of the analytic model.
-        scene.require_benders_of_one_winding("`design limb` for way-points")?;
         let tasked = task(&scene)?;
         match scene.design().and_then(|design| design.choice.as_ref()) {
             None => {
@@ -155,7 +152,7 @@ impl LimbDesign {
     ) -> Result<Outcome, Failure> {
         let file = self.write(scene, &redesigned_limb(scene, tasked, found), None)?;
         let text = || pareto(&list) + &limb(found);
-        let designed = Designed::new(&file, |plan| found.does_it() && plan.is_ok(), Vec::new());
+        let designed = Designed::new(&file, Vec::new());
         self.say(scene, &file, found, (list.clone(), &designed), text)?;
         let why = found.shortfall.as_ref().map(ToString::to_string).unwrap_or_default();
         self.judge(&file, designed, found.does_it(), &why)
@@ -226,7 +223,7 @@ impl LimbDesign {
     }
 }
 
-/// A designed scene with its warnings, and whether it has a plan, whose bends are those of finite elements where the analytic ones err.
+/// A designed scene with its warnings, and whether it has a plan.
 struct Designed {
     scene: Scene,
     plan: Result<(), SceneError>,
@@ -234,16 +231,12 @@ struct Designed {
 }
 
 impl Designed {
-    /// Of a file. `is_confirmed` tells by the plan whether finite elements confirm the bends; `warnings` are those of the search.
-    fn new(
-        file: &Path,
-        is_confirmed: impl Fn(&Result<(), SceneError>) -> bool,
-        mut warnings: Vec<String>,
-    ) -> Result<Self, SceneError> {
+    /// Of a file; `warnings` are those of the search.
+    fn new(file: &Path, mut warnings: Vec<String>) -> Result<Self, SceneError> {
         let scene = scene::load(file)?;
         let limb = Limb::new(&scene)?;
         let plan = motion::plan(&scene, &limb).map(drop);
-        warnings.extend(super::warnings(&scene, &limb, is_confirmed(&plan)));
+        warnings.extend(limb.winding_warnings(&scene));
         Ok(Self { scene, plan, warnings })
     }
 }

@@ -81,7 +81,7 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
     show(json, &printed, || table(scene, &design, &found, &printed))?;
     note(&format!("design: {}", file.display()));
     let designed = scene::load(file)?;
-    let outcome = super::windings(&designed, &super::warnings(&designed, &Limb::new(&designed)?, false));
+    let outcome = super::windings(&designed, &Limb::new(&designed)?.winding_warnings(&designed));
     if let Some(why) = &printed.refused {
         note(&format!("warning: the planner refuses the design: {why}"));
     }

@@ -7,14 +7,12 @@ mod limb;
 mod loaded;
 
 use clap::{Args, Subcommand};
-use softlimb_limb::Limb;
 use softlimb_limb::fabricate::{Settings, advice};
 use softlimb_scene::Scene;
 
 pub use loaded::refused;
 
 use super::{Failure, Outcome, note, warn};
-use crate::results::bend::analytic_bends;
 
 /// Design a limb for a scene, actuators by eq. (14) of the paper, or a bundle by eq. (18)
 #[derive(Args)]
@@ -40,14 +38,6 @@ impl Design {
             Mode::Bundle(mode) => mode.run(),
         }
     }
-}
-
-/// The warnings about the windings of a designed scene, and about its bends where finite elements have not confirmed them.
-fn warnings(designed: &Scene, limb: &Limb, is_confirmed: bool) -> Vec<String> {
-    if is_confirmed {
-        return limb.winding_warnings(designed);
-    }
-    [designed.winding_warnings(), analytic_bends("`design limb`", limb)].concat()
 }
 
 /// States warnings, and what `fabricate` says of the windings, which the search does not choose.
