@@ -4,6 +4,7 @@ mod closed_forms;
 mod samples;
 mod steering;
 mod text;
+mod wound;
 
 use softlimb_limb::Limb;
 use softlimb_limb::fabricate::Tolerances;

@@ -10,7 +10,6 @@ use serde::Serialize;
 use super::fabricate::Allowed;
 use super::shared::{limb, show, threads, write_if};
 use super::{Failure, Outcome, warn};
-use crate::results::bend::analytic_bends;
 use softlimb_chart::labelled;
 use softlimb_limb::fabricate::Tolerances;
 use softlimb_limb::tolerance;
@@ -62,8 +61,7 @@ impl From<ToleranceError> for Failure {
 impl Tolerance {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, limb) = limb(&self.scene)?;
-        scene.require_benders_of_one_winding("`tolerance`")?;
-        let bends = analytic_bends("`tolerance`", &limb);
+        scene.require_no_segments("`tolerance`")?;
         let wall = &self.allowed.wall;
         for module in limb.modules() {
             let parameters = module.actuator.parameters();
@@ -92,7 +90,7 @@ impl Tolerance {
         show(self.json, &self.printed(scene.name(), &study, &statistics, &names), || {
             self.table(scene.name(), &study, &statistics, &names)
         })?;
-        Ok(warn(&[bends, lost(&study, &statistics, &names, samples.len())].concat()))
+        Ok(warn(&lost(&study, &statistics, &names, samples.len())))
     }
 
     fn printed<'a>(

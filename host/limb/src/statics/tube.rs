@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use fra_model::{Actuator, Load, Motion, State, Status};
+use softlimb_fea::cross_section::Equilibrium;
 
 use super::wall;
 
@@ -46,6 +47,23 @@ impl Tangent {
         let solved = solution.status == Status::Solved;
         solved.then_some(())?;
         Self::at(actuator, &solution.state)
+    }
+
+    /// A bending actuator in an equilibrium without load of its whole section; `None` where that is not stable, and where symmetry was used.
+    ///
+    /// Axial and shear stiffness are those of [`Tangent::of`].
+    pub(crate) fn of_section(actuator: &Actuator<f64>, found: &Equilibrium) -> Option<Self> {
+        let stiffness = found.stiffness?.by_strain;
+        // The axis stretches without an axial force.
+        let bending_nm2 = stiffness[1][1] - stiffness[0][1] * stiffness[1][0] / stiffness[0][0];
+        let tube = Self {
+            bending_nm2,
+            across_nm2: stiffness[2][2],
+            torsion_nm2: stiffness[3][3],
+            ..Self::at(actuator, &actuator.rest())?
+        };
+        let is_stable = bending_nm2 > 0.0 && bending_nm2.is_finite();
+        is_stable.then(|| tube.about(&found.state.over(1.0), 1.0))
     }
 
     /// The tube in a state without load; `None` where that is not stable.

@@ -8,9 +8,10 @@ use std::collections::BTreeMap;
 use nalgebra::{Vector3, Vector4};
 
 use super::input::{Kind, Place, Varied};
-use super::made::{change, made};
-use super::shape::{arc, chain, mount, shape};
-use super::study::{Nominal, Study, ToleranceError};
+use super::made::change;
+use super::section::tangents;
+use super::shape::{Tube, arc, chain, mount, shape};
+use super::study::{Nominal, Study, ToleranceError, actuator};
 use crate::LimbModule;
 use crate::fabricate::Tolerances;
 use crate::statics::{Spring, responses, shape_change};
@@ -107,15 +108,41 @@ fn shapes(
         return differences(study, module, &study.places_m[index], nominal)
             .ok_or_else(|| "a bundle next to it has no equilibrium".to_owned());
     }
-    let mut changes = [[0.0; 3]; 3];
     let (state, tube) = &nominal.tubes[0];
+    let mut changes = [Vector4::zeros(); 3];
     for kind in Kind::ALL {
-        changes[kind.index()] =
-            change(&module.actuator, state, kind, &study.settings.tolerances).map_err(|reason| reason.to_string())?;
+        changes[kind.index()] = if module.is_by_section() {
+            section_change(module, state.pressure_pa, kind, &study.settings.tolerances)
+                .ok_or_else(|| "an actuator next to it has no equilibrium".to_owned())?
+        } else {
+            let by = change(&module.actuator, state, kind, &study.settings.tolerances);
+            shape_change(module.motion, by.map_err(|reason| reason.to_string())?)
+        };
     }
     let each = responses(module.motion, &study.places_m[index], &tube.tangent())
         .ok_or_else(|| "its bundle has no stiffness".to_owned())?;
-    Ok(each.into_iter().map(|response| changes.map(|by| response * shape_change(module.motion, by))).collect())
+    Ok(each.into_iter().map(|response| changes.map(|by| response * by)).collect())
+}
+
+/// Change of the free shape of a bender by finite elements of its section, from the middle to the end of a tolerance.
+fn section_change(module: &LimbModule, pressure_pa: f64, kind: Kind, tolerances: &Tolerances) -> Option<Vector4<f64>> {
+    let at = |side: f64| {
+        let tube = tangents(module, &steps(), &only(kind, side), &[pressure_pa]).pop()??;
+        Some(Vector4::new(tube.stretch, tube.bend_rad_per_m, 0.0, tube.twist_rad_per_m))
+    };
+    Some((at(1.0)? - at(-1.0)?) * (kind.of(tolerances) / (2.0 * kind.of(&steps()))))
+}
+
+/// The same steps whatever the tolerances, so that the derivatives are.
+fn steps() -> Tolerances {
+    Tolerances { angle_rad: STEPS[0].1, wall_m: STEPS[1].1, modulus: STEPS[2].1 }
+}
+
+/// The place of an actuator with one kind off.
+pub(super) fn only(kind: Kind, off: f64) -> Place {
+    let mut place = [0.0; 3];
+    place[kind.index()] = off;
+    place
 }
 
 /// The same by central differences; `None` where a bundle next to the nominal one has no equilibrium.
@@ -125,17 +152,13 @@ fn differences(
     places_m: &[[f64; 2]],
     nominal: &Nominal,
 ) -> Option<Vec<[Vector4<f64>; 3]>> {
-    // The same steps whatever the tolerances, so that the derivatives are.
-    let steps = Tolerances { angle_rad: STEPS[0].1, wall_m: STEPS[1].1, modulus: STEPS[2].1 };
-    let of = |actuator: usize, kind: Kind, side: f64| {
-        let mut off = [0.0; 3];
-        off[kind.index()] = side;
-        let pressure_pa = nominal.tubes[actuator].0.pressure_pa;
-        let off = Spring::new(&made(&module.actuator, &steps, &off).ok()?, pressure_pa)?;
+    let of = |index: usize, kind: Kind, side: f64| {
+        let pressure_pa = nominal.tubes[index].0.pressure_pa;
+        let off = Spring::new(&actuator(module, &steps(), &only(kind, side))?, pressure_pa)?;
         let mut tubes: Vec<_> =
             places_m.iter().zip(&nominal.tubes).map(|(place, (_, tube))| (*place, tube.clone())).collect();
-        tubes[actuator].1 = off;
-        shape(module, tubes)
+        tubes[index].1 = Tube::Model(off);
+        shape(module, &tubes)
     };
     let by = |actuator: usize, kind: Kind, step: f64| {
         let slope = (of(actuator, kind, 1.0)? - of(actuator, kind, -1.0)?) / (2.0 * step);

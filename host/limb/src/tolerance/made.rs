@@ -2,18 +2,20 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use fra_model::{Actuator, ActuatorParameters, InvalidParameter, Load, Material, NoDerivative, Parameter, State};
+use fra_model::{Actuator, ActuatorParameters, Fiber, Load, Material, NoDerivative, Parameter, State};
 
 use super::input::{Kind, Place};
 use crate::fabricate::Tolerances;
 
-/// The actuator at a place within the tolerances. Two windings have one error of angle: one machine winds them.
+/// The actuator at a place within the tolerances, and its second winding. Two windings have one error of angle, away from the hoop: one machine winds
+/// them, and those that mirror each other still do.
 pub(super) fn made(
-    actuator: &Actuator<f64>,
+    nominal: &ActuatorParameters<f64>,
+    second: Option<&Fiber<f64>>,
     tolerances: &Tolerances,
     place: &Place,
-) -> Result<Actuator<f64>, InvalidParameter<f64>> {
-    let (nominal, mut second) = (actuator.parameters(), actuator.second_fiber().copied());
+) -> (ActuatorParameters<f64>, Option<Fiber<f64>>) {
+    let mut second = second.copied();
     let off = |kind: Kind| kind.of(tolerances) * place[kind.index()];
     let inner_m = nominal.inner_radius_m;
     // In this form a wall that is not off leaves every bit as it is.
@@ -26,10 +28,14 @@ pub(super) fn made(
     };
     for fiber in one.fiber.iter_mut().chain(&mut second) {
         fiber.radius_m = outwards(fiber.radius_m);
-        fiber.angle_rad = as_line(fiber.angle_rad + off(Kind::Angle));
+        fiber.angle_rad = as_line(fiber.angle_rad + sense(fiber) * off(Kind::Angle));
     }
-    let one = Actuator::new(&one)?;
-    second.map_or(Ok(one), |second| one.with_second_fiber(&second))
+    (one, second)
+}
+
+/// Sign of a change of angle that leads away from the hoop.
+fn sense(fiber: &Fiber<f64>) -> f64 {
+    1.0_f64.copysign(fiber.angle_rad)
 }
 
 /// A thread has no forward end: an angle beyond a quarter turn is the one on the other side.
@@ -73,7 +79,11 @@ pub(super) fn change(
 fn parts(actuator: &Actuator<f64>, kind: Kind) -> Vec<(Parameter, f64)> {
     let parameters = actuator.parameters();
     match (kind, &parameters.material) {
-        (Kind::Angle, _) => vec![(Parameter::FiberAngle, 1.0), (Parameter::SecondFiberAngle, 1.0)],
+        (Kind::Angle, _) => {
+            let first = parameters.fiber.map(|fiber| (Parameter::FiberAngle, sense(&fiber)));
+            let second = actuator.second_fiber().map(|fiber| (Parameter::SecondFiberAngle, sense(fiber)));
+            first.into_iter().chain(second).collect()
+        }
         (Kind::Wall, _) => {
             let inner_m = parameters.inner_radius_m;
             let depth = |radius_m: f64| (radius_m - inner_m) / (parameters.outer_radius_m - inner_m);

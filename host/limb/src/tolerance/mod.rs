@@ -8,8 +8,10 @@
 mod input;
 mod linear;
 mod made;
+mod parallel;
 mod picture;
 mod sample;
+mod section;
 mod shape;
 mod statistics;
 mod study;

@@ -1,15 +1,16 @@
 //! The other route: limbs made by seed, each asked of the model. The same on any number of threads.
 
-use std::thread;
-
 use nalgebra::Vector3;
 
 use super::input::{Kind, Place, Varied};
-use super::linear::Linear;
-use super::shape::{arc, shape, tip};
-use super::study::Study;
+use super::linear::{Linear, only};
+use super::parallel::parallel;
+use super::section::Specimens;
+use super::shape::{Tube, arc, shape, tip};
+use super::study::{Study, actuator};
+use crate::LimbModule;
 use crate::arc::Arc;
-use crate::statics::Spring;
+use crate::statics::{Spring, Tangent};
 use softlimb_numerics::Random;
 
 /// Where the tip of one limb is in one pose.
@@ -28,49 +29,63 @@ pub type Sample = Vec<Deviation>;
 
 /// Limbs, the first ones the same however many there are. A limb depends on the seed and its number alone.
 pub fn sample(study: &Study<'_>, linear: &[Linear], count: usize, seed: u64, threads: usize) -> Vec<Sample> {
-    let maker = Maker::new(study, linear);
-    let share = count.div_ceil(threads.max(1)).max(1);
-    let numbers: Vec<usize> = (0..count).collect();
-    thread::scope(|scope| {
-        let make = |few: &[usize]| few.iter().map(|number| maker.limb(seed, *number)).collect::<Vec<_>>();
-        let workers: Vec<_> = numbers.chunks(share).map(|few| scope.spawn(move || make(few))).collect();
-        let joined = workers.into_iter().map(|worker| worker.join());
-        joined.flat_map(|made| made.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
-    })
+    let pressures = pressures(study);
+    let maker = Maker::new(study, linear, &pressures, threads);
+    parallel(&Vec::from_iter(0..count), threads, |number| maker.limb(seed, *number))
+}
+
+/// By channel: its pressures, each once, and which of them each pose has.
+type Pressures = Vec<(Vec<f64>, Vec<usize>)>;
+
+fn pressures(study: &Study<'_>) -> Pressures {
+    let of_drive = |drive: usize| {
+        let mut each: Vec<f64> = Vec::new();
+        let index = |pressure: f64| {
+            each.iter().position(|known| *known == pressure).unwrap_or_else(|| {
+                each.push(pressure);
+                each.len() - 1
+            })
+        };
+        let of_pose = study.poses.iter().map(|pose| pose.pressures_pa[drive]).map(index).collect();
+        (each, of_pose)
+    };
+    study.limb.channel_values(&(0..study.limb.drives().len()).map(of_drive).collect::<Vec<_>>())
 }
 
 /// Tubes of one actuator, by pressure; `None` where it has no equilibrium there.
-type Tubes = Vec<Option<Spring>>;
+type Tubes = Vec<Option<Tube>>;
 
 struct Maker<'a> {
     study: &'a Study<'a>,
     linear: &'a [Linear],
     nominal_tips_m: Vec<Vector3<f64>>,
     varied: Vec<Varied>,
-    /// By channel: its pressures, each once, and which of them each pose has.
-    pressures: Vec<(Vec<f64>, Vec<usize>)>,
+    pressures: &'a Pressures,
+    /// Of each module that bends by finite elements of its section.
+    specimens: Vec<Option<Specimens<'a>>>,
 }
 
 impl<'a> Maker<'a> {
-    fn new(study: &'a Study<'a>, linear: &'a [Linear]) -> Self {
+    fn new(study: &'a Study<'a>, linear: &'a [Linear], pressures: &'a Pressures, threads: usize) -> Self {
         let modules = study.limb.modules().len();
-        let pressures = |drive: usize| {
-            let mut each: Vec<f64> = Vec::new();
-            let index = |pressure: f64| {
-                each.iter().position(|known| *known == pressure).unwrap_or_else(|| {
-                    each.push(pressure);
-                    each.len() - 1
-                })
+        let specimens = |(index, module): (usize, &'a LimbModule)| {
+            module.is_by_section().then_some(())?;
+            // All its actuators have one pressure.
+            let (each, of_pose) = &pressures[module.channels.start];
+            let tube = |at: usize| {
+                let pose = of_pose.iter().position(|of_pose| *of_pose == at)?;
+                Some(study.nominal[pose][index].tubes[0].1.tangent())
             };
-            let of_pose = study.poses.iter().map(|pose| pose.pressures_pa[drive]).map(index).collect();
-            (each, of_pose)
+            let nominal: Vec<Tangent> = (0..each.len()).filter_map(tube).collect();
+            Some(Specimens::new(module, &study.settings.tolerances, each, &nominal, threads))
         };
         Self {
             study,
             linear,
             nominal_tips_m: (0..study.poses.len()).map(|pose| study.nominal_tip_m(pose)).collect(),
             varied: Varied::all(modules),
-            pressures: study.limb.channel_values(&(0..study.limb.drives().len()).map(pressures).collect::<Vec<_>>()),
+            pressures,
+            specimens: study.limb.modules().iter().enumerate().map(specimens).collect(),
         }
     }
 
@@ -78,11 +93,7 @@ impl<'a> Maker<'a> {
         let places = self.places(seed, number);
         let all: Vec<Vec<Tubes>> = self.tubes(&places);
         let alone = Kind::ALL.map(|kind| {
-            let one = |place: &Place| {
-                let mut only = [0.0; 3];
-                only[kind.index()] = place[kind.index()];
-                only
-            };
+            let one = |place: &Place| only(kind, place[kind.index()]);
             self.tubes(&places.iter().map(one).collect::<Vec<_>>())
         });
         (0..self.study.poses.len()).map(|pose| self.deviation(pose, &places, &all, &alone)).collect()
@@ -104,15 +115,18 @@ impl<'a> Maker<'a> {
 
     /// By module and actuator.
     fn tubes(&self, places: &[Place]) -> Vec<Vec<Tubes>> {
-        let of_module = |module: &crate::LimbModule| {
+        let of_module = |(module, specimens): (&LimbModule, &Option<Specimens<'_>>)| {
             let tubes = |channel: usize| {
-                let actuator = self.study.made(module, &places[channel]);
-                let at = |pressure: &f64| Spring::new(actuator.as_ref()?, *pressure);
+                if let Some(specimens) = specimens {
+                    return specimens.tubes(&places[channel]);
+                }
+                let actuator = actuator(module, &self.study.settings.tolerances, &places[channel]);
+                let at = |pressure: &f64| Some(Tube::Model(Spring::new(actuator.as_ref()?, *pressure)?));
                 self.pressures[channel].0.iter().map(at).collect()
             };
             module.channels.clone().map(tubes).collect()
         };
-        self.study.limb.modules().iter().map(of_module).collect()
+        self.study.limb.modules().iter().zip(&self.specimens).map(of_module).collect()
     }
 
     fn deviation(&self, pose: usize, places: &[Place], all: &[Vec<Tubes>], alone: &[Vec<Vec<Tubes>>; 3]) -> Deviation {
@@ -146,6 +160,6 @@ impl<'a> Maker<'a> {
         let at = self.pressures[module.channels.clone()].iter().map(|(_, of_pose)| of_pose[pose]);
         let places = self.study.places_m[index].iter().zip(tubes).zip(at);
         let each: Option<Vec<_>> = places.map(|((place, tubes), at)| Some((*place, tubes[at].clone()?))).collect();
-        Some(arc(module, &shape(module, each?)?))
+        Some(arc(module, &shape(module, &each?)?))
     }
 }

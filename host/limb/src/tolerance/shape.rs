@@ -1,10 +1,37 @@
 //! The centre line of a module whose actuators are not alike, and the tip behind it.
 
+use fra_model::Motion;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector4};
 
 use crate::arc::Arc;
-use crate::statics::{Bundle, Spring};
+use crate::statics::{Bundle, Spring, Tangent};
 use crate::{Limb, LimbModule};
+
+/// An actuator without load, as its bundle has it.
+#[derive(Clone, Debug)]
+pub(super) enum Tube {
+    /// By a solver of its model.
+    Model(Spring),
+    /// A bender by finite elements of its section.
+    Section(Tangent),
+}
+
+impl Tube {
+    /// Its springs about the shape without load.
+    pub(super) fn tangent(&self) -> Tangent {
+        match self {
+            Self::Model(spring) => spring.tangent(),
+            Self::Section(tangent) => *tangent,
+        }
+    }
+
+    fn spring(&self) -> Option<&Spring> {
+        match self {
+            Self::Model(spring) => Some(spring),
+            Self::Section(_) => None,
+        }
+    }
+}
 
 /// The centre line of a module with a shape: stretch, bends towards its `x` and `y` (rad/m), twist (rad/m); or a change of both.
 pub(super) fn arc(module: &LimbModule, shape: &Vector4<f64>) -> Arc {
@@ -14,10 +41,20 @@ pub(super) fn arc(module: &LimbModule, shape: &Vector4<f64>) -> Arc {
 
 /// Stretch, bends towards the module's `x` and `y` (rad/m) and twist (rad/m) without load of tubes at their places; `None` where their energy has no
 /// minimum, as where twisting tubes lean too far.
-pub(super) fn shape(module: &LimbModule, tubes: Vec<([f64; 2], Spring)>) -> Option<Vector4<f64>> {
-    let bundle = Bundle::of_springs(module.motion, tubes, module.bay_m())?;
+pub(super) fn shape(module: &LimbModule, tubes: &[([f64; 2], Tube)]) -> Option<Vector4<f64>> {
+    let springs = tubes.iter().map(|(place, tube)| Some((*place, tube.spring()?.clone()))).collect::<Option<Vec<_>>>();
+    let tangents = tubes.iter().map(|(place, tube)| (*place, tube.tangent()));
+    let bundle = match springs {
+        Some(springs) => Bundle::of_springs(module.motion, springs, module.bay_m()),
+        None => Bundle::of_tubes(module.motion, tangents.collect(), module.bay_m()),
+    }?;
     let [x, y] = bundle.free.bend_rad_per_m;
-    Some(Vector4::new(bundle.free.stretch, x, y, bundle.free.twist_rad_per_m))
+    let twist_rad_per_m = match tubes {
+        // A bender between plates is held by others, and one alone twists if its windings do not mirror each other.
+        [(_, tube)] if module.motion == Motion::Bending => tube.tangent().twist_rad_per_m,
+        _ => bundle.free.twist_rad_per_m,
+    };
+    Some(Vector4::new(bundle.free.stretch, x, y, twist_rad_per_m))
 }
 
 /// Rotation from the frame of a module's tubes to that of the limb.

@@ -6,7 +6,8 @@ use thiserror::Error;
 
 use super::input::Place;
 use super::made::made;
-use super::shape::{arc, shape, tip};
+use super::section::tangents;
+use super::shape::{Tube, arc, shape, tip};
 use crate::arc::Arc;
 use crate::fabricate::Tolerances;
 use crate::statics::Spring;
@@ -66,7 +67,7 @@ pub enum ToleranceError {
 #[derive(Clone, Debug)]
 pub(super) struct Nominal {
     /// Of each actuator, without load.
-    pub(super) tubes: Vec<(State<f64>, Spring)>,
+    pub(super) tubes: Vec<(State<f64>, Tube)>,
     pub(super) arc: Arc,
 }
 
@@ -110,8 +111,9 @@ impl<'a> Study<'a> {
                 pressure_pa,
             };
             let drives = limb.drives().zip(&pose.pressures_pa);
-            let tube =
-                |(drive, pressure): (Drive<'_>, &f64)| tube(&drive, *pressure).ok_or_else(|| fail(&drive, *pressure));
+            let tube = |(drive, pressure): (Drive<'_>, &f64)| {
+                tube(&drive, &settings.tolerances, *pressure).ok_or_else(|| fail(&drive, *pressure))
+            };
             let tubes = limb.channel_values(&drives.map(tube).collect::<Result<Vec<_>, _>>()?);
             let nominal = |(index, (module, places)): (usize, (&LimbModule, &Vec<[f64; 2]>))| {
                 let first = limb.drives_of(index).start;
@@ -138,22 +140,30 @@ impl<'a> Study<'a> {
     pub fn nominal_tip_m(&self, pose: usize) -> Vector3<f64> {
         tip(self.limb, self.nominal[pose].iter().map(|module| &module.arc))
     }
+}
 
-    /// The actuator of a channel as it was made.
-    pub(super) fn made(&self, module: &LimbModule, place: &Place) -> Option<Actuator<f64>> {
-        made(&module.actuator, &self.settings.tolerances, place).ok()
-    }
+/// An actuator of a module that a solver of its model has, at a place within tolerances.
+pub(super) fn actuator(module: &LimbModule, tolerances: &Tolerances, place: &Place) -> Option<Actuator<f64>> {
+    let (one, second) = made(module.actuator.parameters(), module.actuator.second_fiber(), tolerances, place);
+    let one = Actuator::new(&one).ok()?;
+    second.map_or(Some(one), |second| one.with_second_fiber(&second).ok())
 }
 
 /// An actuator of a drive without load.
-fn tube(drive: &Drive<'_>, pressure_pa: f64) -> Option<(State<f64>, Spring)> {
+fn tube(drive: &Drive<'_>, tolerances: &Tolerances, pressure_pa: f64) -> Option<(State<f64>, Tube)> {
+    if drive.is_by_section() {
+        let state = (pressure_pa <= drive.curve.pressure_max_pa()).then(|| drive.curve.at(pressure_pa))?;
+        let tangent = tangents(drive, tolerances, &[0.0; 3], &[pressure_pa]).pop()??;
+        return Some((state, Tube::Section(tangent.about(&state, drive.length_m()))));
+    }
     let solution = drive.actuator.forward(pressure_pa, &Load::none()).ok()?;
     let tube = (solution.status == Status::Solved).then(|| Spring::new(&drive.actuator, pressure_pa))??;
-    Some((solution.state, tube))
+    Some((solution.state, Tube::Model(tube)))
 }
 
-fn nominal(module: &LimbModule, places_m: &[[f64; 2]], tubes: &[(State<f64>, Spring)]) -> Option<Nominal> {
-    let shape = shape(module, places_m.iter().zip(tubes).map(|(place, (_, tube))| (*place, tube.clone())).collect())?;
+fn nominal(module: &LimbModule, places_m: &[[f64; 2]], tubes: &[(State<f64>, Tube)]) -> Option<Nominal> {
+    let placed: Vec<_> = places_m.iter().zip(tubes).map(|(place, (_, tube))| (*place, tube.clone())).collect();
+    let shape = shape(module, &placed)?;
     Some(Nominal { tubes: tubes.to_vec(), arc: arc(module, &shape) })
 }
 

@@ -30,6 +30,21 @@ angle = "28 deg"
 families = 1
 modulus = "361 MPa"
 thickness = "0.178 mm"
+[windings.mirrored]
+angle = "-28 deg"
+families = 1
+modulus = "361 MPa"
+thickness = "0.178 mm"
+[windings.soft]
+angle = "20 deg"
+families = 2
+modulus = "4 MPa"
+thickness = "0.178 mm"
+[windings.weak]
+angle = "30 deg"
+families = 2
+modulus = "0.2 MPa"
+thickness = "0.178 mm"
 [windings.lines]
 angle = "90 deg"
 families = 2

@@ -33,7 +33,7 @@ impl Scene {
         let wound_twice = benders.find_map(|module| Some((module, module.second_fiber?)));
         let Some((module, second)) = wound_twice else { return Ok(()) };
         let title = format!("`{}` bends and has two windings, and {room} takes one", &*module.name);
-        let help = "finite elements give its motion in `check`, `run`, `statics`, `workspace`, `payload` and `eval`";
+        let help = "finite elements give its motion in `check`, `run`, `statics`, `workspace`, `payload`, `tolerance` and `eval`";
         Err(self.diagnostic(second.span, &title, "the second winding", Some(help)))
     }
 
