@@ -157,7 +157,7 @@ fn differences(
         let off = Spring::new(&actuator(module, &steps(), &only(kind, side))?, pressure_pa)?;
         let mut tubes: Vec<_> =
             places_m.iter().zip(&nominal.tubes).map(|(place, (_, tube))| (*place, tube.clone())).collect();
-        tubes[index].1 = Tube::Model(off);
+        tubes[index].1 = Tube::Model(Box::new(off));
         shape(module, &tubes)
     };
     let by = |actuator: usize, kind: Kind, step: f64| {

@@ -121,7 +121,7 @@ impl<'a> Maker<'a> {
                     return specimens.tubes(&places[channel]);
                 }
                 let actuator = actuator(module, &self.study.settings.tolerances, &places[channel]);
-                let at = |pressure: &f64| Some(Tube::Model(Spring::new(actuator.as_ref()?, *pressure)?));
+                let at = |pressure: &f64| Some(Tube::Model(Box::new(Spring::new(actuator.as_ref()?, *pressure)?)));
                 self.pressures[channel].0.iter().map(at).collect()
             };
             module.channels.clone().map(tubes).collect()

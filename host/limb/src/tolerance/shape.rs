@@ -11,7 +11,7 @@ use crate::{Limb, LimbModule};
 #[derive(Clone, Debug)]
 pub(super) enum Tube {
     /// By a solver of its model.
-    Model(Spring),
+    Model(Box<Spring>),
     /// A bender by finite elements of its section.
     Section(Tangent),
 }

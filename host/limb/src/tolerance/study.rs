@@ -158,7 +158,7 @@ fn tube(drive: &Drive<'_>, tolerances: &Tolerances, pressure_pa: f64) -> Option<
     }
     let solution = drive.actuator.forward(pressure_pa, &Load::none()).ok()?;
     let tube = (solution.status == Status::Solved).then(|| Spring::new(&drive.actuator, pressure_pa))??;
-    Some((solution.state, Tube::Model(tube)))
+    Some((solution.state, Tube::Model(Box::new(tube))))
 }
 
 fn nominal(module: &LimbModule, places_m: &[[f64; 2]], tubes: &[(State<f64>, Tube)]) -> Option<Nominal> {
