@@ -87,6 +87,12 @@ impl<'a> Carrier<'a> {
         loaded.nominal.borrow_mut().at(pressures_pa, loaded.payload_kg.get()).err()
     }
 
+    /// Finer statics than the present ones where the shape at gauge pressures, Pa, needs them for an error, as a share of the limb's length.
+    pub(super) fn finer_tier(&self, pressures_pa: &[f64], error: f64) -> Option<Fidelity> {
+        let loaded = self.loaded.as_ref()?;
+        loaded.nominal.borrow_mut().finer_tier(pressures_pa, loaded.payload_kg.get(), error)
+    }
+
     /// Checks that the limb stands at gauge pressures, Pa, with no tube that buckles; without load it does.
     ///
     /// # Errors

@@ -5,6 +5,7 @@
 //! weigh more, so that what cannot be had leaves the tip off its target and not the limb in an obstacle.
 
 mod descent;
+mod nearby;
 mod problem;
 mod redundancy;
 
@@ -79,10 +80,10 @@ pub(super) fn solve_near(carrier: &Carrier<'_>, task: &TipTask<'_>, start_pa: &[
     kept.unwrap_or_else(|| end(false))
 }
 
-/// Where a few iterations from `start_pa` end, for a goal next to it: the limb under load keeps the margin of its pressures.
+/// The pressures next to `start_pa` for a goal next to its tip: the limb under load keeps the margin of its pressures.
 pub(super) fn solve_step(carrier: &Carrier<'_>, task: &TipTask<'_>, start_pa: &[f64]) -> Reach {
     let problem = Problem::new(carrier, task, carrier.is_loaded());
-    problem.reach(&descent::descend_few(&problem, problem.shares(start_pa)))
+    problem.reach(&nearby::descend(&problem, problem.shares(start_pa)))
 }
 
 /// All different solutions found from `start_pa` and from starts spread over the range. First the one that the first descent from

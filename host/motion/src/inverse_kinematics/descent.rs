@@ -9,7 +9,6 @@ use super::ARRIVED_M;
 use super::problem::{Problem, WEIGHTS};
 
 const ITERATIONS: usize = 200;
-const FEW: usize = 12;
 
 /// Goes down from a start in the unit box until the residuals vanish or no step helps; again with a larger weight where direction or
 /// clearance are then missed.
@@ -20,22 +19,11 @@ pub(super) fn descend(problem: &Problem<'_, '_>, start: Vec<f64>) -> Vec<f64> {
     if problem.reach(&shares).allowed() { shares } else { descend_with(problem, shares, last) }
 }
 
-/// As [`descend`], but in a few iterations: for a start next to a solution.
-pub(super) fn descend_few(problem: &Problem<'_, '_>, start: Vec<f64>) -> Vec<f64> {
-    let [first, last] = WEIGHTS;
-    let shares = descend_within(problem, start, first, FEW);
-    if problem.reach(&shares).allowed() { shares } else { descend_within(problem, shares, last, FEW) }
-}
-
-fn descend_with(problem: &Problem<'_, '_>, shares: Vec<f64>, weight: f64) -> Vec<f64> {
-    descend_within(problem, shares, weight, ITERATIONS)
-}
-
-fn descend_within(problem: &Problem<'_, '_>, mut shares: Vec<f64>, weight: f64, iterations: usize) -> Vec<f64> {
+fn descend_with(problem: &Problem<'_, '_>, mut shares: Vec<f64>, weight: f64) -> Vec<f64> {
     let Some(mut here) = problem.linear(&shares, weight) else { return shares };
     let mut damping = 1e-3;
     let mut small_steps = 0;
-    for _ in 0..iterations {
+    for _ in 0..ITERATIONS {
         let miss = here.residual.norm();
         if miss <= ARRIVED_M || damping > 1e12 || small_steps > 5 {
             break;

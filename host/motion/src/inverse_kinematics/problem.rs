@@ -130,18 +130,30 @@ impl<'a, 'l> Problem<'a, 'l> {
         Reach { pressures_pa, tip_m: tip.into(), distance_m, angle_rad, tilt_rad, shortfall_m }
     }
 
+    /// Residuals; `None` where the limb does not stand.
+    pub(super) fn residual(&self, shares: &[f64], weight: f64) -> Option<DVector<f64>> {
+        let body = self.carrier.body(&self.pressures(shares))?;
+        Some(residual(&self.rows(&Posture::Moved(body, Vec::new()), weight)))
+    }
+
     /// Residuals and derivatives; `None` where the limb does not stand.
     pub(super) fn linear(&self, shares: &[f64], weight: f64) -> Option<Linear> {
         let at = self.carrier.posture(&self.pressures(shares))?;
-        let mut rows: Vec<(f64, Vec<f64>)> = Vec::new();
-        self.tip_rows(&at, &mut rows);
-        self.aim_row(&at, weight, &mut rows);
-        self.tilt_row(&at, weight, &mut rows);
-        self.obstacle_rows(&at, weight, &mut rows);
-        let residual = DVector::from_iterator(rows.len(), rows.iter().map(|(value, _)| *value));
+        let rows = self.rows(&at, weight);
+        let residual = residual(&rows);
         let count = self.spans.len();
         let jacobian = DMatrix::from_fn(rows.len(), count, |row, column| rows[row].1[column] * self.spans[column]);
         Some(Linear { residual, jacobian })
+    }
+
+    /// Each residual with its derivatives by the pressures.
+    fn rows(&self, at: &Posture<'_>, weight: f64) -> Vec<(f64, Vec<f64>)> {
+        let mut rows = Vec::new();
+        self.tip_rows(at, &mut rows);
+        self.aim_row(at, weight, &mut rows);
+        self.tilt_row(at, weight, &mut rows);
+        self.obstacle_rows(at, weight, &mut rows);
+        rows
     }
 
     fn tip_rows(&self, at: &Posture<'_>, rows: &mut Vec<(f64, Vec<f64>)>) {
@@ -193,6 +205,10 @@ impl<'a, 'l> Problem<'a, 'l> {
             rows.push(one_sided(wanted_m - found.distance_m, slope, weight));
         }
     }
+}
+
+fn residual(rows: &[(f64, Vec<f64>)]) -> DVector<f64> {
+    DVector::from_iterator(rows.len(), rows.iter().map(|(value, _)| *value))
 }
 
 /// Growth of the angle between an axis that turns with the tip and a direction, by each pressure, rad/Pa.

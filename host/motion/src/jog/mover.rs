@@ -15,7 +15,7 @@ use crate::schedule::{SPARE_M, TILT_SHARE};
 use crate::space::Space;
 use crate::timing::shortest;
 use crate::upright::Upright;
-use crate::weight::{Nominal, pressures_pa};
+use crate::weight::pressures_pa;
 use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Drive, Limb};
 use softlimb_scene::Scene;
@@ -228,11 +228,10 @@ impl<'a> Mover<'a> {
 
     /// Changes to finer statics where the present pose needs them.
     pub(super) fn judge(&mut self, values: &[f64]) {
-        let (Some(tier), Some(weight)) = (self.tier, self.scene.weight()) else { return };
-        let pressures_pa = self.pressures_pa(values);
-        let judged = Nominal::tier_for(self.scene, self.limb, &pressures_pa, self.carrying.payload_kg, weight.error);
-        if let Some((finer, _)) = judged.ok().filter(|(finer, _)| *finer > tier) {
-            self.tier = Some(finer);
+        let Some(weight) = self.scene.weight() else { return };
+        let finer = self.space.carrier().finer_tier(&self.pressures_pa(values), weight.error);
+        if finer.is_some() {
+            self.tier = finer;
             self.space = space(self.scene, self.limb, self.tier, self.carrying, self.space.upright());
         }
     }

@@ -6,7 +6,7 @@ use fra_model::State;
 use nalgebra::{DVector, Vector3, Vector4};
 
 use softlimb_limb::statics::{
-    Buckling, EquilibriumError, Fidelity, Load, LoadedLimb, Rod, Settled, Shape, by_tubes, cheapest_rod,
+    Buckling, EquilibriumError, Fidelity, Judged, Load, LoadedLimb, Rod, Settled, Shape, by_tubes, cheapest_rod, choose,
 };
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::Scene;
@@ -179,6 +179,13 @@ impl<'a> Nominal<'a> {
         let length_m = self.scene.rest_length_m();
         let tubes = by_tubes(&self.loaded(pressures_pa, payload_kg)?, TUBES_M / length_m, length_m)?;
         Some(tubes.tip().translation.vector - rods_m)
+    }
+
+    /// The cheapest tier of rods for the shape at gauge pressures, Pa, one a drive, where it is finer than the present one.
+    pub(crate) fn finer_tier(&mut self, pressures_pa: &[f64], payload_kg: f64, error: f64) -> Option<Fidelity> {
+        let pose = self.at(pressures_pa, payload_kg).ok()?;
+        let found = choose(&pose.limb.rod, error, self.scene.rest_length_m(), |_, _, _| Judged::default()).ok()?;
+        Some(found.tier).filter(|tier| *tier > self.tier)
     }
 
     pub(super) fn loaded(&self, pressures_pa: &[f64], payload_kg: f64) -> Option<LoadedLimb> {
