@@ -23,19 +23,3 @@ pub(crate) fn rows(limb: &Limb) -> Vec<String> {
     let row = |module: &LimbModule| Some(format!("  {:<16} bends by {}", module.name, module.bend()?));
     limb.modules().iter().filter_map(row).collect()
 }
-
-/// A warning for each module that a command bends by the analytic model, and `check` and `run` by finite elements.
-pub(crate) fn analytic_bends(command: &str, limb: &Limb) -> Vec<String> {
-    let warning = |module: &LimbModule| {
-        let bend = module.bend().filter(|bend| bend.is_by_section())?;
-        let errs = bend.analytic_error().map_or_else(
-            || "whose error is not known".to_owned(),
-            |error| format!("which errs by up to {:.1} %", 100.0 * error),
-        );
-        Some(format!(
-            "{command} bends `{}` by the analytic model, {errs}; `check` and `run` take finite elements",
-            module.name
-        ))
-    };
-    limb.modules().iter().filter_map(warning).collect()
-}

@@ -23,20 +23,6 @@ impl Scene {
         Err(self.diagnostic(second.span, &title, "the second segment", Some(help)))
     }
 
-    /// Refuses a bending module with two windings and any of several segments, for a room that has no model of one.
-    ///
-    /// # Errors
-    /// [`SceneError`] at the second segment or the name of the second winding.
-    pub fn require_benders_of_one_winding(&self, room: &str) -> Result<(), SceneError> {
-        self.require_no_segments(room)?;
-        let mut benders = self.modules().iter().filter(|module| *module.motion == Motion::Bending);
-        let wound_twice = benders.find_map(|module| Some((module, module.second_fiber?)));
-        let Some((module, second)) = wound_twice else { return Ok(()) };
-        let title = format!("`{}` bends and has two windings, and {room} takes one", &*module.name);
-        let help = "finite elements give its motion in `check`, `run`, `statics`, `workspace`, `payload`, `tolerance` and `eval`";
-        Err(self.diagnostic(second.span, &title, "the second winding", Some(help)))
-    }
-
     /// The warning about a bending module whose winding is more than 5 deg from the hoop although the model takes it as a hoop; `None` for
     /// all others.
     pub fn winding_warning(&self, module: &Module) -> Option<String> {
