@@ -82,9 +82,10 @@ impl Limb {
         }
     }
 
-    /// The warnings about windings that the model of a module ignores, from the base to the tip.
+    /// The warnings about windings that the model of a module or segment ignores, from the base to the tip.
     pub fn winding_warnings(&self, scene: &Scene) -> Vec<String> {
-        let ignoring = scene.modules().iter().zip(self.modules()).filter(|(_, module)| !module.is_by_section());
-        ignoring.filter_map(|(described, _)| scene.winding_warning(described)).collect()
+        let described = scene.modules().iter().flat_map(Module::parts);
+        let ignoring = self.parts().zip(described).filter(|(part, _)| !part.is_by_section());
+        ignoring.filter_map(|(_, described)| scene.winding_warning(&described)).collect()
     }
 }

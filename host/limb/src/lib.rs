@@ -26,5 +26,4 @@ pub use chain::Chain;
 pub use curve::StateCurve;
 pub use limb::{Drive, Limb, LimbModule, base_pose, bending_law, reference_max_pa};
 pub use restraint::TWIST_SHARE_MIN;
-pub use series::LimbSegment;
 pub use stretch::largest_stretch;

@@ -10,8 +10,8 @@ use fra_model::{
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::bend::out_of_plane;
-use super::{Bend, LimbSegment, StateCurve, chain};
-use crate::series::{bend_of, series};
+use super::{Bend, StateCurve, chain};
+use crate::series::{Wound, bend_of, series};
 use crate::statics::{Spring, check_bundles};
 use softlimb_fea::cross_section::{BEND_TOLERANCE, BendingLaw, is_wound_bender, largest_bend_error};
 use softlimb_scene::collision::Body;
@@ -47,7 +47,7 @@ pub struct LimbModule {
     /// Of actuators whose curve is by finite elements of the section, from their first load on; `None` where the section has none.
     law: OnceLock<Option<Arc<BendingLaw>>>,
     second_fiber: Option<Fiber<f64>>,
-    pub(crate) segments: Vec<LimbSegment>,
+    pub(crate) segments: Vec<LimbModule>,
     length_m: f64,
     /// Stretches between plates.
     bays: usize,
@@ -418,6 +418,11 @@ impl Limb {
         self.modules.last().map_or(0, |module| module.channels.end)
     }
 
+    /// What has one winding along its length, from the base outwards: modules, and segments of those in series.
+    pub fn parts(&self) -> impl Iterator<Item = &LimbModule> {
+        self.modules.iter().flat_map(LimbModule::parts)
+    }
+
     /// Pose of the tip in states, one a drive, in the scene's frame.
     pub fn tip_pose<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> Isometry3<f64> {
         fra_model::tip_pose(&self.base, self.links(states).map(|(_, link, _)| link))
@@ -473,16 +478,8 @@ fn build_module(
             (Vec::new(), curve, bend)
         }
     };
-    let law = OnceLock::new();
-    if scene.weight().is_some() && bend.is_some_and(Bend::is_by_section) {
-        let found = bending_law(&module.actuator(), module.second_fiber.as_deref(), *module.pressure_max_pa);
-        if found.is_none() {
-            let title = format!("finite elements do not tell how a load bends `{}`", *module.name);
-            let help = "`bending = \"analytic\"` in [controller] takes the analytic model, of one winding";
-            return Err(scene.diagnostic(module.span, &title, "its section has too few equilibria", Some(help)));
-        }
-        law.get_or_init(|| found);
-    }
+    let needs_law = segments.is_empty() && bend.is_some_and(Bend::is_by_section);
+    let law = law(scene, needs_law, &module.actuator(), (module.second_fiber.as_deref(), module))?;
     let mut built = LimbModule {
         name: module.name.to_string(),
         motion: *module.motion,
@@ -495,7 +492,7 @@ fn build_module(
         law,
         actuator,
         second_fiber: module.second_fiber.filter(|_| segments.is_empty()).map(|fiber| *fiber),
-        segments,
+        segments: Vec::new(),
         length_m: module.moving_length_m(),
         bays: usize::from(module.spacers) + 1,
         arrangement: module.arrangement,
@@ -507,7 +504,61 @@ fn build_module(
     if built.is_restrained() {
         built.curve = built.curve.restrained(&built.actuator, &built.positions_m(), built.bay_m());
     }
+    let last = segments.len().saturating_sub(1);
+    let described = segments.into_iter().zip(module.segment_modules()).enumerate();
+    let parts = described.map(|(index, (wound, described))| part(scene, &built, (index, last), wound, &described));
+    built.segments = parts.collect::<Result<_, _>>()?;
     Ok(built)
+}
+
+/// A segment of a module as a module; what is rigid is behind the last.
+fn part(
+    scene: &Scene,
+    module: &LimbModule,
+    (index, last): (usize, usize),
+    wound: Wound,
+    described: &Module,
+) -> Result<LimbModule, SceneError> {
+    let Wound { actuator, curve, bend, second_fiber, bend_direction_rad } = wound;
+    let parameters = *actuator.parameters();
+    let needs_law = bend.is_some_and(Bend::is_by_section);
+    let is_last = index == last;
+    Ok(LimbModule {
+        name: format!("{}.{}", module.name, index + 1),
+        motion: parameters.motion,
+        kind: StateQuantity::Pressure,
+        law: law(scene, needs_law, &parameters, (second_fiber.as_ref(), described))?,
+        actuator,
+        curve,
+        bend,
+        second_fiber,
+        length_m: parameters.length_m,
+        bays: 1,
+        mount_angle_rad: module.mount_angle_rad + bend_direction_rad,
+        rigid_length_m: if is_last { module.rigid_length_m } else { 0.0 },
+        tool_m: module.tool_m.filter(|_| is_last),
+        ..module.clone()
+    })
+}
+
+/// The law of an actuator whose load-bending needs one: in a scene without weight from its first load on.
+fn law(
+    scene: &Scene,
+    needs_law: bool,
+    actuator: &ActuatorParameters<f64>,
+    (second_fiber, described): (Option<&Fiber<f64>>, &Module),
+) -> Result<OnceLock<Option<Arc<BendingLaw>>>, SceneError> {
+    let law = OnceLock::new();
+    if needs_law && scene.weight().is_some() {
+        let found = bending_law(actuator, second_fiber, *described.pressure_max_pa);
+        if found.is_none() {
+            let title = format!("finite elements do not tell how a load bends `{}`", *described.name);
+            let help = "`bending = \"analytic\"` in [controller] takes the analytic model, of one winding";
+            return Err(scene.diagnostic(described.span, &title, "its section has too few equilibria", Some(help)));
+        }
+        law.get_or_init(|| found);
+    }
+    Ok(law)
 }
 
 /// The curve of an actuator that is wound alike along its length, and the model of its bend. The actuator gets its second winding where its

@@ -13,39 +13,26 @@ const PASSES: usize = 8;
 /// Relative difference of pressures below which two curves end together.
 const TOGETHER: f64 = 1e-9;
 
-/// A segment of a module's actuator.
-#[derive(Clone, Debug)]
-pub struct LimbSegment {
-    /// The solver of the segment by the analytic model, with the first winding alone where finite elements of the section have its bend.
-    pub actuator: Actuator<f64>,
-    /// Its states, at the same pressures as those of all segments.
-    pub curve: StateCurve,
-    bend: Option<Bend>,
-    second_fiber: Option<Fiber<f64>>,
+/// A segment before it is a module.
+pub(crate) struct Wound {
+    pub(crate) actuator: Actuator<f64>,
+    pub(crate) curve: StateCurve,
+    pub(crate) bend: Option<Bend>,
+    pub(crate) second_fiber: Option<Fiber<f64>>,
     /// Direction it bends towards, from that of its module, rad.
-    bend_direction_rad: f64,
+    pub(crate) bend_direction_rad: f64,
 }
 
-impl LimbSegment {
-    /// The model of its bend, as that of a module ([`LimbModule::bend`]).
-    pub fn bend(&self) -> Option<Bend> {
-        self.bend
-    }
-
-    /// Its second winding.
-    pub fn second_fiber(&self) -> Option<&Fiber<f64>> {
-        self.second_fiber.as_ref()
-    }
-
-    /// Length at rest of the part that moves, m.
-    pub fn length_m(&self) -> f64 {
+impl Wound {
+    fn length_m(&self) -> f64 {
         self.actuator.parameters().length_m
     }
 }
 
 impl LimbModule {
-    /// The segments of its actuator from the base to the tip; none where it is wound alike along its length.
-    pub fn segments(&self) -> &[LimbSegment] {
+    /// The segments of its actuator from the base to the tip, each as a module with the channels of this one; none where it is wound alike along
+    /// its length.
+    pub fn segments(&self) -> &[LimbModule] {
         &self.segments
     }
 
@@ -54,24 +41,26 @@ impl LimbModule {
         !self.segments.is_empty()
     }
 
+    /// The modules of one winding that it consists of: its segments, or itself.
+    pub fn parts(&self) -> &[LimbModule] {
+        if self.is_series() { &self.segments } else { std::slice::from_ref(self) }
+    }
+
     /// Its links in a state that all its actuators have: one, or one a segment.
     pub fn links(&self, state: &State<f64>) -> Vec<Link<f64>> {
         if !self.is_series() {
             return vec![self.link(state)];
         }
-        self.segment_links(self.segment_states(state)).into_iter().map(|(link, _)| link).collect()
+        self.segments.iter().zip(self.segment_states(state)).map(|(segment, state)| segment.link(&state)).collect()
     }
 
     /// Derivatives by the pressure, 1/Pa, of the centre line and the radius of each of its links.
     pub fn link_slopes(&self, pressure_pa: f64) -> Vec<(Segment<f64>, f64)> {
-        let of = |motion, length_m, slope: &State<f64>| (segment_of(motion, length_m, slope), slope.outer_radius_m);
-        if !self.is_series() {
-            return vec![of(self.motion, self.length_m(), &self.curve.slope_at(pressure_pa))];
-        }
-        let own = |segment: &LimbSegment| {
-            of(segment.actuator.parameters().motion, segment.length_m(), &segment.curve.slope_at(pressure_pa))
+        let of_part = |part: &LimbModule| {
+            let slope = part.curve.slope_at(pressure_pa);
+            (segment_of(part.motion, part.length_m(), &slope), slope.outer_radius_m)
         };
-        self.segments.iter().map(own).collect()
+        self.parts().iter().map(of_part).collect()
     }
 
     /// States of its segments at the pressure of a state of the module; none where it is no series.
@@ -79,23 +68,18 @@ impl LimbModule {
         self.segments.iter().map(|segment| segment.curve.at(state.pressure_pa))
     }
 
-    /// The links of its segments, each with its radius about the centre line, m, in their states. The rigid part is behind the last.
+    /// The links of its segments, each with its radius about the centre line, m, in their states.
     pub(crate) fn segment_links(&self, states: impl Iterator<Item = State<f64>>) -> Vec<(Link<f64>, f64)> {
-        let last = self.segments.len().saturating_sub(1);
-        let link = |(index, (segment, state)): (usize, (&LimbSegment, State<f64>))| {
-            let link = Link {
-                segment: segment_of(segment.actuator.parameters().motion, segment.length_m(), &state),
-                mount_angle_rad: self.mount_angle_rad() + segment.bend_direction_rad,
-                rigid_length_m: if index == last { self.rigid_length_m() } else { 0.0 },
-            };
-            (link, self.radius_m(&state))
-        };
-        self.segments.iter().zip(states).enumerate().map(link).collect()
+        self.segments
+            .iter()
+            .zip(states)
+            .map(|(segment, state)| (segment.link(&state), segment.radius_m(&state)))
+            .collect()
     }
 }
 
 /// Segments and the curve of their totals.
-type Series = (Vec<LimbSegment>, StateCurve);
+type Series = (Vec<Wound>, StateCurve);
 
 /// The segments of a module and the curve of their totals; no segments of a module without.
 ///
@@ -140,7 +124,7 @@ fn build(
     segment: &ModuleSegment,
     (parameters, second_fiber): &WoundActuator,
     pressure_max_pa: f64,
-) -> Result<LimbSegment, SceneError> {
+) -> Result<Wound, SceneError> {
     let refused = |error: &dyn std::fmt::Display| {
         scene.diagnostic(segment.span, "the model cannot take this segment", &error.to_string(), None)
     };
@@ -157,17 +141,11 @@ fn build(
         None if parameters.motion == Motion::Bending => bend(scene, &actuator, pressure_max_pa),
         None => (StateCurve::new(&actuator, pressure_max_pa), None),
     };
-    Ok(LimbSegment {
-        actuator,
-        curve,
-        bend,
-        second_fiber: *second_fiber,
-        bend_direction_rad: segment.bend_direction_rad,
-    })
+    Ok(Wound { actuator, curve, bend, second_fiber: *second_fiber, bend_direction_rad: segment.bend_direction_rad })
 }
 
 /// The curve of the totals.
-fn total(segments: &[LimbSegment]) -> Option<StateCurve> {
+fn total(segments: &[Wound]) -> Option<StateCurve> {
     let first = &segments.first()?.curve;
     let count = segments.iter().map(|segment| segment.curve.states().len()).min()?;
     let at = |node: usize| {
@@ -178,7 +156,7 @@ fn total(segments: &[LimbSegment]) -> Option<StateCurve> {
 }
 
 /// The model of the bend of a series: the coarsest of its segments.
-pub(crate) fn bend_of(segments: &[LimbSegment]) -> Option<Bend> {
+pub(crate) fn bend_of(segments: &[Wound]) -> Option<Bend> {
     let bends = || segments.iter().filter_map(|segment| segment.bend);
     let analytic = || bends().reduce(|a, b| if a.analytic_error() < b.analytic_error() { b } else { a });
     bends().find(|bend| bend.is_by_section()).or_else(analytic)

@@ -29,10 +29,8 @@ impl Limb {
         let modules = self.modules().iter().zip(scene.modules()).zip(highest_pa);
         let beyond = modules.filter_map(|((built, module), highest_pa)| {
             let most = module.stretch_max?;
-            let own = (!built.is_series()).then(|| (module.actuator(), built.curve.at(*highest_pa)));
-            let segments = built.segments().iter();
-            let segments = segments.map(|one| (*one.actuator.parameters(), one.curve.at(*highest_pa)));
-            let each = own.into_iter().chain(segments).map(|(actuator, state)| largest_stretch(&actuator, &state));
+            let parts = built.parts().iter();
+            let each = parts.map(|part| largest_stretch(part.actuator.parameters(), &part.curve.at(*highest_pa)));
             let stretch = each.fold(1.0, f64::max);
             (stretch > most).then(|| {
                 format!(

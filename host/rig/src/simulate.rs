@@ -7,7 +7,7 @@ use softlimb_sim::plant::{
 };
 
 use fra_model::{ActuatorParameters, Fiber, State};
-use softlimb_limb::{Bend, Limb, LimbSegment, StateCurve};
+use softlimb_limb::{Bend, Limb, LimbModule, StateCurve};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
@@ -51,7 +51,7 @@ pub fn settings(scene: &Scene, limb: &Limb, seed: u64) -> SimSettings {
     SimSettings { seed, ..SimSettings::new(settings) }
 }
 
-fn segment(segment: &LimbSegment) -> SegmentSettings {
+fn segment(segment: &LimbModule) -> SegmentSettings {
     SegmentSettings {
         actuator: *segment.actuator.parameters(),
         second_fiber: segment.second_fiber().copied(),

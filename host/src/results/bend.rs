@@ -18,8 +18,15 @@ impl PrintedBend {
     }
 }
 
-/// A line for each bending module with a stated winding.
+/// The bends of a series: one a segment from the base to the tip, `null` for those that are straight or have an ideal winding. Nothing for
+/// another module.
+pub(crate) fn of_segments(module: &LimbModule) -> Option<Vec<Option<PrintedBend>>> {
+    let bends = || module.segments().iter().map(|segment| segment.bend().map(PrintedBend::new));
+    module.is_series().then(|| bends().collect())
+}
+
+/// A line for each bending module or segment with a stated winding.
 pub(crate) fn rows(limb: &Limb) -> Vec<String> {
-    let row = |module: &LimbModule| Some(format!("  {:<16} bends by {}", module.name, module.bend()?));
-    limb.modules().iter().filter_map(row).collect()
+    let row = |part: &LimbModule| Some(format!("  {:<16} bends by {}", part.name, part.bend()?));
+    limb.parts().filter_map(row).collect()
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::bend::PrintedBend;
+use super::bend::{PrintedBend, of_segments};
 use super::margins::{self, PrintedMargins};
 use super::swing::PrintedSwing;
 use softlimb_limb::Limb;
@@ -40,6 +40,9 @@ struct PrintedModule<'a> {
     /// Only of bending modules with a stated winding.
     #[serde(skip_serializing_if = "Option::is_none")]
     bend: Option<PrintedBend>,
+    /// Only of modules of segments: that of each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    segment_bends: Option<Vec<Option<PrintedBend>>>,
 }
 
 #[derive(Serialize)]
@@ -125,6 +128,7 @@ impl<'a> CheckResult<'a> {
                 inverse_error: inverse.error(),
                 no_tables_because: inverse.reason().map(|reason| reason.to_string()),
                 bend: module.bend().map(PrintedBend::new),
+                segment_bends: of_segments(module),
             });
         let phases = plan.phases.iter().enumerate().map(|(index, phase)| PrintedPhase {
             name: &phase.name,

@@ -331,3 +331,40 @@ fn module_of_segments_is_checked_and_otherwise_refused_at_the_line() {
     assert!(matches!(made.code, Some(0 | 3)), "{made:?}");
     assert!(desk.content().contains(&"made/finger.1-thread-right.csv".to_owned()), "{:?}", desk.content());
 }
+
+/// `check` has a line and an entry for the bend of each wound segment, as for a module of one.
+#[test]
+fn check_names_the_bend_of_each_segment() {
+    let scene = include_str!("../../../scenes/extend-and-bend.toml");
+    let helix =
+        "[windings.helix]\nangle = \"15 deg\"\nfamilies = 2\nmodulus = \"20 MPa\"\nthickness = \"0.1 mm\"\n[limb]";
+    let hoop = "[[module.segments]]\nmotion = \"bending\"\nlength = \"30 mm\"\nwinding = \"hoop\"\n";
+    let wound = scene.replace("[limb]", helix).replace(
+        "motion = \"bending\"\nlength = \"100 mm\"",
+        &format!("motion = \"bending\"\nlength = \"100 mm\"\nwinding = \"helix\"\n{hoop}"),
+    );
+    // The same segments as modules, which are checked by themselves.
+    let module = |winding: &str, length: &str| {
+        let (before, after) = scene.split_once("[[module.segments]]").expect("two");
+        let weight = &after[after.find("[weight]").expect("behind the modules")..];
+        let own = format!("{before}length = \"{length}\"\nwinding = \"{winding}\"\n{weight}");
+        own.replace("[limb]", helix).replace("60 deg", "20 deg").replace("25 deg", "10 deg")
+    };
+    let desk = Desk::new();
+    desk.put("scene.toml", wound);
+    desk.put("helix.toml", module("helix", "100 mm"));
+    desk.put("hoop.toml", module("hoop", "30 mm"));
+    let bends = &desk.softlimb("check scene.toml --json").json()["modules"][0]["segment_bends"];
+    let [helix, hoop] =
+        ["helix", "hoop"].map(|name| desk.softlimb(&format!("check {name}.toml --json")).json()["modules"][0].clone());
+    assert_eq!(bends.as_array().map(Vec::len), Some(3), "{bends}");
+    assert!(bends[0].is_null() && helix.get("segment_bends").is_none(), "{bends} {helix}");
+    let model = |bend: &Value| bend["model"].as_str().map(str::to_owned);
+    assert_eq!(model(&bends[1]), Some("section-fe".to_owned()));
+    for (own, alone) in [(&bends[1], &helix["bend"]), (&bends[2], &hoop["bend"])] {
+        assert!(model(own).is_some() && model(own) == model(alone), "{own} {alone}");
+    }
+    let text = desk.softlimb("check scene.toml").out;
+    assert!(text.contains("  finger.2         bends by finite elements"), "{text}");
+    assert!(text.contains("  finger.3         bends by") && !text.contains("finger.1 "), "{text}");
+}

@@ -135,6 +135,11 @@ impl Module {
         self.segments.iter().map(alone).collect()
     }
 
+    /// What has one winding along its length: its segments, each as a module, or the module.
+    pub fn parts(&self) -> Vec<Self> {
+        if self.segments.is_empty() { vec![self.clone()] } else { self.segment_modules() }
+    }
+
     /// The segments of its actuator as [`actuator`](Self::actuator), each with its second winding, from the base to the tip; none of a module
     /// without segments. The end caps take from the first and the last.
     pub fn segment_actuators(&self) -> Vec<WoundActuator> {
