@@ -69,15 +69,15 @@ pub(crate) fn out_of_plane(scene: &Scene, module: &Module, room: &str) -> SceneE
 }
 
 impl Limb {
-    /// Refuses a limb with a bender that twists as it bends or a module of several segments, for a room that has bends in one plane.
+    /// Refuses a limb with a bender that twists as it bends, for a room that has bends in one plane.
     ///
     /// # Errors
-    /// A diagnostic at the second winding or the second segment.
+    /// A diagnostic at the second winding.
     pub fn require_plane_benders(&self, scene: &Scene, room: &str) -> Result<(), SceneError> {
-        scene.require_no_segments(room)?;
-        let benders = scene.modules().iter().zip(self.modules()).filter(|(_, built)| built.motion == Motion::Bending);
-        match benders.into_iter().find(|(_, built)| twists(&built.curve)) {
-            Some((module, _)) => Err(out_of_plane(scene, module, room)),
+        let described = scene.modules().iter().flat_map(Module::parts);
+        let mut benders = described.zip(self.parts()).filter(|(_, built)| built.motion == Motion::Bending);
+        match benders.find(|(_, built)| twists(&built.curve)) {
+            Some((module, _)) => Err(out_of_plane(scene, &module, room)),
             None => Ok(()),
         }
     }

@@ -4,6 +4,7 @@ mod bundle;
 mod extents;
 mod loaded;
 mod samples;
+mod series;
 mod steering;
 
 use softlimb_limb::Limb;

@@ -60,10 +60,10 @@ impl<'a> WorkspaceResult<'a> {
     /// The extents, and samples for volume and pictures.
     ///
     /// # Errors
-    /// [`ResultError::NoEquilibrium`], and [`ResultError::Scene`] at the second segment of a module.
+    /// [`ResultError::NoEquilibrium`], and [`ResultError::Scene`] at the second winding of a bender that twists.
     pub fn new(scene: &'a Scene, limb: &'a Limb, options: &WorkspaceOptions) -> Result<Self, ResultError> {
         let WorkspaceOptions { command, points, samples: count, seed, threads, cell_m } = *options;
-        scene.require_no_segments("`workspace`")?;
+        limb.require_plane_benders(scene, "`workspace`")?;
         let (space, extents) = extents(limb, command)?;
         let tips_m = workspace::sample_single(&space, points, count, seed, threads);
         let counts = SHARES.map(|share| (count / share).max(1));

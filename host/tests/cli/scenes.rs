@@ -314,7 +314,6 @@ fn module_of_segments_is_checked_and_otherwise_refused_at_the_line() {
         ("statics scene.toml", "statics"),
         ("tolerance scene.toml", "tolerance"),
         ("workspace scene.toml --loaded", "workspace --loaded"),
-        ("workspace scene.toml", "workspace"),
         ("payload capacity scene.toml", "payload capacity"),
         ("payload estimate scene.toml --data data.csv", "payload estimate"),
         ("fea compare scene.toml", "fea"),

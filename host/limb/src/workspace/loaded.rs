@@ -89,7 +89,7 @@ impl<'a, 'b, H: Fn(&[f64]) -> Option<LoadedLimb> + Sync> Loaded<'a, 'b, H> {
 
     /// Number of modules.
     fn modules(&self) -> usize {
-        self.space.single().len()
+        self.space.limb().modules().len()
     }
 
     /// The pose at shares of the highest pressures, on the branch of shapes that growing weight leads to; or, where there is a `start`, the unknowns

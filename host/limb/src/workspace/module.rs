@@ -29,6 +29,8 @@ enum Shape {
 pub struct ModuleTable {
     /// Number of pressures.
     pub axes: usize,
+    /// The first of them: segments of a series share theirs.
+    pub first_axis: usize,
     /// Length at rest, m.
     pub length_m: f64,
     /// Length of the rigid part behind it, m.
@@ -117,10 +119,10 @@ impl Module {
     }
 
     /// Its polynomials.
-    pub(super) fn table(&self) -> ModuleTable {
+    pub(super) fn table(&self, first_axis: usize) -> ModuleTable {
         let Parts { powers, places_m, bends, twists, length_m, mount, rigid_m, .. } = self.parts();
         let (powers, places_m) = (powers.clone(), places_m.map(<[_]>::to_vec));
-        ModuleTable { axes: self.axes(), length_m, rigid_m, mount, bends, twists, powers, places_m }
+        ModuleTable { axes: self.axes(), first_axis, length_m, rigid_m, mount, bends, twists, powers, places_m }
     }
 
     /// A point behind the module, seen from its start. `shares` are the pressures as shares of the highest.

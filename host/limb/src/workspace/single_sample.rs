@@ -18,13 +18,13 @@ pub fn sample_single(space: &Workspace<'_>, points: Points, count: usize, seed: 
     }
     let rotation = space.rotation().map(|row| row.map(|entry| entry as f32));
     let origin = space.base().map(|entry| entry as f32);
-    let sampler = Sampler { modules: space.single(), axes, points, seed, sequence, ahead, rotation, origin };
+    let sampler = Sampler { modules: space.single().collect(), axes, points, seed, sequence, ahead, rotation, origin };
     in_parts(count, threads, |first, tips| Arch::new().dispatch(Batch { sampler: &sampler, first, tips }))
 }
 
 /// What all samples have in common.
 struct Sampler<'a> {
-    modules: &'a [Module],
+    modules: Vec<(&'a Module, usize)>,
     axes: usize,
     points: Points,
     seed: u64,
@@ -65,11 +65,8 @@ impl Sampler<'_> {
     fn tip<S: Simd>(&self, places: &[Pack<S>; AXES_MAX]) -> [Pack<S>; 3] {
         let zero = places[0].same(0.0);
         let mut point = [zero; 3];
-        let mut end = self.axes;
-        for module in self.modules.iter().rev() {
-            let start = end - module.axes();
-            point = module.carry(&places[start..end], point);
-            end = start;
+        for (module, start) in self.modules.iter().rev() {
+            point = module.carry(&places[*start..start + module.axes()], point);
         }
         let mut tip = [zero; 3];
         for (i, coordinate) in tip.iter_mut().enumerate() {

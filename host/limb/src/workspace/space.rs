@@ -48,11 +48,6 @@ pub enum WorkspaceError {
     /// The model has no answer at some pressure of a module's range.
     #[error("module `{0}`: the model has no equilibrium at some pressure of its range")]
     Module(String),
-    /// Its polynomials are those of one arc.
-    #[error(
-        "module `{0}` has several segments, and the workspace takes modules of one: `check` and `run` take segments"
-    )]
-    Segments(String),
     /// A limb has at most 27 channels.
     #[error("the limb has {0} pressures to choose; at most 27 are looked at")]
     TooMany(usize),
@@ -63,8 +58,11 @@ pub enum WorkspaceError {
 pub struct Workspace<'a> {
     limb: &'a Limb,
     command: Command,
+    /// What has one winding along its length; the segments of a series share their axes.
     modules: Vec<Module>,
     single: Vec<single::Module>,
+    /// The first axis of each.
+    starts: Vec<usize>,
     axes: Vec<Axis>,
 }
 
@@ -74,28 +72,32 @@ impl<'a> Workspace<'a> {
     /// # Errors
     /// [`WorkspaceError`], as its variants say.
     pub fn new(limb: &'a Limb, command: Command) -> Result<Self, WorkspaceError> {
-        let (mut modules, mut single, mut axes) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut modules, mut single, mut starts, mut axes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (index, module) in limb.modules().iter().enumerate() {
-            if module.is_series() {
-                return Err(WorkspaceError::Segments(module.name.clone()));
-            }
             let pressure_max_pa = module.curve.pressure_max_pa();
             let ends_at_limit = pressure_max_pa < module.reference_max_pa * (1.0 - 1e-9);
-            let made = Module::new(module, pressure_max_pa, each(module, command));
-            let made = made.ok_or_else(|| WorkspaceError::Module(module.name.clone()))?;
-            let width = module.channels.len() / made.axes();
-            for axis in 0..made.axes() {
-                let start = module.channels.start + axis * width;
-                axes.push(Axis { module: index, channels: start..start + width, pressure_max_pa, ends_at_limit });
+            let each = each(module, command);
+            let start = axes.len();
+            for part in module.parts() {
+                let none = || WorkspaceError::Module(part.name.clone());
+                let made = Module::new(part, pressure_max_pa, each).ok_or_else(none)?;
+                single.push(single::Module::new(&made.parts()).ok_or_else(none)?);
+                starts.push(start);
+                modules.push(made);
             }
-            let picture = single::Module::new(&made.parts());
-            single.push(picture.ok_or_else(|| WorkspaceError::Module(module.name.clone()))?);
-            modules.push(made);
+            let count = if each { module.channels.len() } else { 1 };
+            let width = module.channels.len() / count;
+            axes.extend(module.channels.clone().step_by(width).map(|first| Axis {
+                module: index,
+                channels: first..first + width,
+                pressure_max_pa,
+                ends_at_limit,
+            }));
         }
         if axes.len() > AXES_MAX {
             return Err(WorkspaceError::TooMany(axes.len()));
         }
-        Ok(Self { limb, command, modules, single, axes })
+        Ok(Self { limb, command, modules, single, starts, axes })
     }
 
     /// The pressures, in the order of the channels.
@@ -149,24 +151,29 @@ impl<'a> Workspace<'a> {
 
     /// The modules by the model itself.
     fn links_by_the_model(&self, shares: &[f64]) -> Option<Vec<Link<f64>>> {
-        let link = |(index, module): (usize, &LimbModule)| {
+        let links = |(index, module): (usize, &'a LimbModule)| {
             let own = self.axes.iter().zip(shares).filter(|(axis, _)| axis.module == index);
             let pressures: Vec<f64> = own
                 .flat_map(|(axis, share)| std::iter::repeat_n(share * axis.pressure_max_pa, axis.channels.len()))
                 .collect();
-            free_link(module, &pressures)
+            module.parts().iter().map(move |part| free_link(part, &pressures))
         };
-        self.limb.modules().iter().enumerate().map(link).collect()
+        self.limb.modules().iter().enumerate().flat_map(links).collect()
     }
 
-    /// The modules in single precision.
-    pub(super) fn single(&self) -> &[single::Module] {
-        &self.single
+    /// The modules in single precision, each with its first axis.
+    pub(super) fn single(&self) -> impl DoubleEndedIterator<Item = (&single::Module, usize)> {
+        self.single.iter().zip(self.starts.iter().copied())
     }
 
-    /// The polynomials of the modules.
+    /// The limb.
+    pub(super) fn limb(&self) -> &Limb {
+        self.limb
+    }
+
+    /// The polynomials of the modules, of a series those of its segments.
     pub fn tables(&self) -> Vec<ModuleTable> {
-        self.modules.iter().map(Module::table).collect()
+        self.modules.iter().zip(&self.starts).map(|(module, start)| module.table(*start)).collect()
     }
 
     /// Rotation of the limb's start: its rows.
@@ -183,11 +190,8 @@ impl<'a> Workspace<'a> {
     #[inline(always)]
     fn tip_of<S: Simd>(&self, zero: Pack<S>, shares: &[Pack<S>; AXES_MAX]) -> [Pack<S>; 3] {
         let mut point = [zero; 3];
-        let mut end = self.axes.len();
-        for module in self.modules.iter().rev() {
-            let start = end - module.axes();
-            point = module.carry(&shares[start..end], point);
-            end = start;
+        for (module, start) in self.modules.iter().zip(&self.starts).rev() {
+            point = module.carry(&shares[*start..start + module.axes()], point);
         }
         let [x, y, z] = point;
         let (m, origin) = (self.rotation(), self.limb.base().translation.vector);
@@ -200,7 +204,8 @@ impl<'a> Workspace<'a> {
 }
 
 fn each(module: &LimbModule, command: Command) -> bool {
-    let straight = matches!(module.motion, Motion::Extension | Motion::Expansion);
+    // Only straight actuators bend by unequal pressures.
+    let straight = module.parts().iter().all(|part| matches!(part.motion, Motion::Extension | Motion::Expansion));
     module.is_steering() || command == Command::Actuators && straight && module.channels.len() > 1
 }
 

@@ -54,6 +54,7 @@ impl CapacityMode {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let case = self.case()?;
         let (scene, limb) = limb(&self.scene)?;
+        scene.require_no_segments("`payload capacity`")?;
         limb.require_plane_benders(&scene, "`payload capacity`")?;
         let plan = motion::plan(&scene, &limb)?;
         let rest: Vec<State<f64>> = limb.drives().map(|drive| drive.curve.states()[0]).collect();

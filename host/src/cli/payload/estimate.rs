@@ -36,6 +36,7 @@ pub(super) struct Estimate {
 impl Estimate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, limb) = limb(&self.scene)?;
+        scene.require_no_segments("`payload estimate`")?;
         limb.require_plane_benders(&scene, "`payload estimate`")?;
         let plan = motion::plan(&scene, &limb)?;
         let plan = motion::sent(&scene, &limb, &plan)?.averaged(&limb, &plan);

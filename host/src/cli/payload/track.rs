@@ -95,6 +95,7 @@ impl Track {
             return Err(Failure::wrong_line(format!("--tips takes one load: --loads has {count}")));
         }
         let scene = scene::load(&self.scene)?;
+        scene.require_no_segments("`payload track`")?;
         Limb::new(&scene)?.require_plane_benders(&scene, "`payload track`")?;
         let settings = Settings {
             limb: self.seed.unwrap_or(scene.seed()),
