@@ -60,7 +60,7 @@ impl TrueParameters {
     }
 
     /// The actuator where it is no series.
-    pub(crate) fn whole(&self) -> TrueSegment {
+    pub fn whole(&self) -> TrueSegment {
         TrueSegment { actuator: self.actuator, second_fiber: self.second_fiber }
     }
 

@@ -403,11 +403,6 @@ impl Limb {
         })
     }
 
-    /// Radius of each module about its centre line, m, in states, one a drive.
-    pub(crate) fn radii_m<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> impl Iterator<Item = f64> {
-        self.links(states).map(|(_, _, radius_m)| radius_m)
-    }
-
     /// The modules from the base outwards.
     pub fn modules(&self) -> &[LimbModule] {
         &self.modules

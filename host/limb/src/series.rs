@@ -84,13 +84,10 @@ type Series = (Vec<Wound>, StateCurve);
 /// The segments of a module and the curve of their totals; no segments of a module without.
 ///
 /// # Errors
-/// A diagnostic at the segment that the model refuses, and at the second one of a limb for which a series has no model.
+/// A diagnostic at the segment that the model refuses, and at the second one of a limb whose truth is a body.
 pub(crate) fn series(scene: &Scene, module: &Module, pressure_max_pa: f64) -> Result<Option<Series>, SceneError> {
     if module.segments.is_empty() {
         return Ok(None);
-    }
-    if scene.weight().is_some() {
-        scene.require_no_segments("a limb with `[weight]`")?;
     }
     if scene.plant().truth != TrueLimb::Simple {
         scene.require_no_segments("a true body")?;

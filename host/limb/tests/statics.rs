@@ -7,6 +7,7 @@ mod closed_forms;
 mod derivatives;
 mod leaning;
 mod modes;
+mod series;
 mod shares;
 mod shooting;
 mod springs;

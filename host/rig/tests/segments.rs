@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 use fra_model::{Actuator, Load, Series, SeriesTarget, State, Status};
 use nalgebra::Matrix4;
 use softlimb_limb::Limb;
+use softlimb_limb::statics::{self, Fidelity, LoadedLimb, Spring};
 use softlimb_motion as motion;
 use softlimb_motion::ModuleInverse;
 use softlimb_motion::inverse_table::InverseFit;
@@ -220,12 +221,6 @@ fn run_reaches_the_bend_of_a_limb_that_is_as_modelled() {
 #[test]
 fn what_has_no_model_of_a_series_says_so_at_its_line() {
     let refused = |from: &str, to: &str| Limb::new(&scene(&[(from, to)])).unwrap_err().render(false);
-    let weight = refused("simulated = false", "simulated = true");
-    assert!(
-        weight.contains("`finger` has several segments, and a limb with `[weight]` takes modules of one"),
-        "{weight}"
-    );
-    assert!(weight.contains("[[module.segments]]"), "{weight}");
     let body = refused("chamber = { creep_share = 0 }", "truth = { limb = \"body\" }");
     assert!(body.contains("and a true body takes modules of one"), "{body}");
     let cubic = scene(&[("[plant]", "[controller]\nbending = \"section-fe\"\n[plant]")]);
@@ -234,4 +229,66 @@ fn what_has_no_model_of_a_series_says_so_at_its_line() {
     let model = scene(&[("[plant]", "[controller]\ninverse = \"model\"\n[plant]")]);
     let error = motion::inverses(&model, &limb(&model)).unwrap_err().render(false);
     assert!(error.contains("the device needs tables for the module `finger`"), "{error}");
+}
+
+/// As made as modelled, so that only the valves' pulses are left.
+const NO_SPREAD: &str = "spread = { modulus = 0, wall = 0, fiber_angle = 0, dead_volume = 0, valve_conductance = 0, valve_delay = 0, sensor_offset = 0, sensor_gain = 0 }";
+
+/// The shipped limb under its weight, hanging down at an end of each move.
+fn heavy(spread: &str) -> Scene {
+    let plant = format!("chamber = {{ creep_share = 0 }}\n{spread}");
+    scene(&[
+        ("[weight]\nsimulated = false\n", "[weight]\n"),
+        ("base_direction = [1, 0, 0]\nbase_up = [0, 0, 1]", "base_direction = [0, 0, -1]\nbase_up = [1, 0, 0]"),
+        ("mass = \"50 g\"", "mass = \"4 g\""),
+        ("chamber = { creep_share = 0 }", &plant),
+    ])
+}
+
+/// Planned, corrected for weight, hung and measured: at rest the tip is where the statics have it at the true pressure.
+#[test]
+fn run_under_weight_is_the_equilibrium_of_its_segments() {
+    let scene = heavy(NO_SPREAD);
+    let limb = limb(&scene);
+    let run = files(&scene).run;
+    let held: Vec<_> = run.samples.iter().filter(|sample| (3.5..3.9).contains(&sample.time_s)).collect();
+    assert!(!held.is_empty());
+    for sample in held {
+        let pressure_pa = sample.channels[0].true_pressure_pa.unwrap();
+        let load = statics::Load::default();
+        let loaded = LoadedLimb::new(&scene, &limb, &[pressure_pa], &[1], &load).unwrap();
+        let settled = loaded.settle(Fidelity::Fourfold, None).unwrap();
+        let wanted = settled.shape.tip().translation.vector;
+        let tip = nalgebra::Vector3::from(sample.tip_achieved_m.unwrap());
+        let sag_m = (wanted - loaded.free_tip().translation.vector).norm();
+        assert!((tip - wanted).norm() < 1e-6 && sag_m > 5e-3, "{tip} {wanted} {sag_m}");
+        // The setpoint is the total bend, to which the extending segment adds its own under weight.
+        let deformed = settled.limb.deformed(&settled.rod, &settled.shape);
+        let achieved = sample.modules[0].achieved.unwrap();
+        assert!((achieved - deformed[0].bend_angle_rad[0]).abs() < 1e-6, "{achieved} {deformed:?}");
+    }
+}
+
+/// Segments as they are made, drawn like all true actuators, hang by their own springs.
+#[test]
+fn true_segments_hang_by_their_own_springs() {
+    let scene = heavy("");
+    let limb = limb(&scene);
+    let settings = softlimb_rig::simulate::settings(&scene, &limb, 5);
+    let truth = Plant::new(&settings.plant).unwrap().truth();
+    let made = &truth.channels[0].parameters;
+    let files = files(&scene);
+    let run = &files.run;
+    let mut counted = 0;
+    for sample in run.samples.iter().filter(|sample| sample.time_s > 3.0 && sample.time_s < 3.9) {
+        let pressure_pa = sample.channels[0].true_pressure_pa.unwrap();
+        let tubes: Vec<Spring> =
+            made.segments.iter().map(|one| Spring::new(&one.model().unwrap(), pressure_pa).unwrap()).collect();
+        let loaded = LoadedLimb::of_springs(&scene, &limb, &tubes, &statics::Load::default()).unwrap();
+        let wanted = loaded.settle(Fidelity::Fourfold, None).unwrap().shape.tip().translation.vector;
+        let tip = nalgebra::Vector3::from(sample.tip_achieved_m.unwrap());
+        assert!((tip - wanted).norm() < 1e-5, "{tip} {wanted}");
+        counted += 1;
+    }
+    assert!(counted > 5, "{counted}");
 }

@@ -96,7 +96,6 @@ impl<'a> StaticsResult<'a> {
     /// # Errors
     /// [`ResultError`] when the scene has no plan, or an actuator no equilibrium.
     pub fn new(scene: &'a Scene, limb: &'a Limb, options: &StaticsOptions) -> Result<Self, ResultError> {
-        scene.require_no_segments("`statics`")?;
         limb.require_plane_benders(scene, "`statics`")?;
         let plan = motion::plan(scene, limb)?;
         let phases = plan.phases.iter().zip(scene.phases());

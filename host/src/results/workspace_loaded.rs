@@ -40,7 +40,6 @@ impl<'a> LoadedWorkspaceResult<'a> {
         payload_kg: f64,
         spacers: Option<u8>,
     ) -> Result<Self, ResultError> {
-        scene.require_no_segments("`workspace --loaded`")?;
         limb.require_plane_benders(scene, "`workspace --loaded`")?;
         let WorkspaceOptions { command, points, samples: count, seed, threads, cell_m } = *options;
         let (space, free) = extents(limb, command)?;

@@ -126,6 +126,12 @@ fn two_windings_are_checked_and_otherwise_refused_at_the_line() {
     std::fs::remove_file(desk.path("open.toml")).expect("a scene");
     std::fs::remove_file(desk.path("designed.toml")).expect("a scene");
     assert_eq!(desk.content(), ["data.csv", "scene.toml"]);
+    for verb in
+        ["statics scene.toml", "workspace scene.toml --samples 2000", "workspace scene.toml --loaded --samples 64"]
+    {
+        let answer = desk.softlimb(verb);
+        assert!(matches!(answer.code, Some(0 | 3)), "{verb}: {answer:?}");
+    }
     let made = desk.softlimb("fabricate scene.toml --no-mold --out made");
     assert!(matches!(made.code, Some(0 | 3)), "{made:?}");
     let files =
@@ -150,11 +156,11 @@ fn bender_with_two_windings_is_checked_and_otherwise_refused_at_the_line() {
     assert!(json["modules"][0]["tables"] == true && json["warnings"].as_array().is_some_and(Vec::is_empty), "{json}");
     let curve = desk.softlimb("eval scene.toml --json").done().json().to_string();
     assert!(curve.contains("finite elements of the section"), "{curve}");
-    desk.softlimb("workspace scene.toml --samples 2000").done();
     let line = 1 + scene[..scene.find("winding = [").expect("wound twice")].matches('\n').count();
     let place = format!("scene.toml:{line}:");
     for (verb, room) in [
         ("statics scene.toml", "statics"),
+        ("workspace scene.toml", "workspace"),
         ("workspace scene.toml --loaded", "workspace --loaded"),
         ("payload capacity scene.toml", "payload capacity"),
         ("payload estimate scene.toml --data data.csv", "payload estimate"),
@@ -311,11 +317,10 @@ fn module_of_segments_is_checked_and_otherwise_refused_at_the_line() {
     let line = 1 + scene[..scene.rfind("[[module.segments]]").expect("two of them")].matches('\n').count();
     let place = format!("scene.toml:{line}:1");
     for (verb, room) in [
-        ("statics scene.toml", "statics"),
         ("tolerance scene.toml", "tolerance"),
-        ("workspace scene.toml --loaded", "workspace --loaded"),
         ("payload capacity scene.toml", "payload capacity"),
         ("payload estimate scene.toml --data data.csv", "payload estimate"),
+        ("payload track scene.toml --loads 1N", "payload track"),
         ("fea compare scene.toml", "fea"),
         ("fea calibrate scene.toml", "fea"),
         ("design limb scene.toml --out designed.toml", "design limb"),
@@ -326,6 +331,12 @@ fn module_of_segments_is_checked_and_otherwise_refused_at_the_line() {
         desk.softlimb(verb).failed(1, &[&refused, &place, "[[module.segments]]"]);
     }
     assert_eq!(desk.content(), ["data.csv", "scene.toml"]);
+    for verb in
+        ["statics scene.toml", "workspace scene.toml --samples 2000", "workspace scene.toml --loaded --samples 64"]
+    {
+        let answer = desk.softlimb(verb);
+        assert!(matches!(answer.code, Some(0 | 3)), "{verb}: {answer:?}");
+    }
     let made = desk.softlimb("fabricate scene.toml --no-mold --out made");
     assert!(matches!(made.code, Some(0 | 3)), "{made:?}");
     assert!(desk.content().contains(&"made/finger.1-thread-right.csv".to_owned()), "{:?}", desk.content());

@@ -75,7 +75,7 @@ type Strains = SVector<f64, 6>;
 
 /// The stretch between two plates: the parts of pieces that it has.
 struct Bay {
-    module: usize,
+    bundle: usize,
     /// Index of a piece, share of the bay, and the middle of the part in the piece, -1 to 1.
     parts: Vec<(usize, f64, f64)>,
 }
@@ -129,7 +129,7 @@ impl LoadedLimb {
         }
         let mut gradient = DVector::zeros(rod.unknowns());
         for bay in self.bays(rod) {
-            let slope = self.less(bay.module, &bay.strains(rod, &shape.q));
+            let slope = self.less(bay.bundle, &bay.strains(rod, &shape.q));
             for part in &bay.parts {
                 let own = Bay::by_unknowns(rod, &shape.q, part).tr_mul(&slope);
                 (0..UNKNOWNS).for_each(|a| gradient[part.0 * UNKNOWNS + a] += own[a]);
@@ -142,9 +142,9 @@ impl LoadedLimb {
     /// The bays of all modules but bending ones in a rod, which may have each module in several pieces.
     fn bays(&self, rod: &Rod) -> Vec<Bay> {
         let parts = (rod.pieces.len() / self.bundles.len().max(1)).max(1);
-        let straight = self.bundles.iter().enumerate().filter(|(module, _)| self.motions[*module] != Motion::Bending);
-        let of_module = |(module, bundle): (usize, &Bundle)| {
-            let length_m = rod.pieces[module * parts].length_m * parts as f64;
+        let straight = self.bundles.iter().enumerate().filter(|(index, _)| self.motions[*index] != Motion::Bending);
+        let of_module = |(index, bundle): (usize, &Bundle)| {
+            let length_m = rod.pieces[index * parts].length_m * parts as f64;
             let bays = bundle.bays(length_m);
             let of_bay = move |bay: usize| {
                 // Places in pieces of the module.
@@ -152,9 +152,9 @@ impl LoadedLimb {
                 let part = |part: usize| {
                     let [from, to] = [from.max(part as f64), to.min(part as f64 + 1.0)];
                     let share = (to - from) * bays as f64 / parts as f64;
-                    (share > 1e-9).then_some((module * parts + part, share, from + to - 2.0 * part as f64 - 1.0))
+                    (share > 1e-9).then_some((index * parts + part, share, from + to - 2.0 * part as f64 - 1.0))
                 };
-                Bay { module, parts: (0..parts).filter_map(part).collect() }
+                Bay { bundle: index, parts: (0..parts).filter_map(part).collect() }
             };
             (0..bays).map(of_bay)
         };
@@ -162,15 +162,15 @@ impl LoadedLimb {
     }
 
     /// Slope by the strains of a bay of the energy that its tubes have less than the rod.
-    fn less(&self, module: usize, strains: &Strains) -> Strains {
-        let bundle = &self.bundles[module];
+    fn less(&self, index: usize, strains: &Strains) -> Strains {
+        let bundle = &self.bundles[index];
         let (stretch, bay_m) = (bundle.free.stretch, bundle.bay_m);
         let [_, x, y, twist, slide_x, slide_y] = <[f64; 6]>::from(*strains);
         let u = [bundle.free.bend_rad_per_m[0] + x, bundle.free.bend_rad_per_m[1] + y];
         // All slide per slide of the rod, and what the rod shortens by, over half the square of its slide.
         let own_slide = bundle.own_slide();
         // Springs about leaning tubes have the first power of their forces.
-        let softer = bundle.softer(self.motions[module]);
+        let softer = bundle.softer(self.motions[index]);
         let first = if softer.is_some() { 0.0 } else { 1.0 };
         let all = bundle.slides.map(|slide| slide.tubes / own_slide);
         let rods = bundle.slides.map(|slide| {
@@ -180,7 +180,7 @@ impl LoadedLimb {
         let own = rods[0] * slide_x * slide_x + rods[1] * slide_y * slide_y;
         let mut slope = Strains::zeros();
         for (tube, ([x, y], tangent)) in bundle.tubes.iter().enumerate() {
-            let force_n = self.force_n(module, tube, &strains.fixed_rows::<4>(0).into_owned());
+            let force_n = self.force_n(index, tube, &strains.fixed_rows::<4>(0).into_owned());
             let beam = Beam::new(tangent, stretch, bay_m);
             let g = [all[0] * slide_x - twist * y, all[1] * slide_y + twist * x];
             let (bent, slid) = (u[0] * u[0] + u[1] * u[1], g[0] * g[0] + g[1] * g[1]);

@@ -35,25 +35,26 @@ impl Buckling {
 
 /// The middle between two plates in a shape.
 struct Middle {
-    module: usize,
+    /// Index of the bundle.
+    index: usize,
     /// Strains in the terms of the stiffness, less those without load.
     strain: Vector4<f64>,
 }
 
 impl LoadedLimb {
-    /// The middles between plates of all modules in a shape of `rod`, which may have each module in several pieces.
+    /// The middles between plates of all bundles in a shape of `rod`, which may have each in several pieces.
     fn middles<'a>(&'a self, rod: &'a Rod, shape: &'a Shape) -> impl Iterator<Item = Middle> {
         let parts = (rod.pieces.len() / self.bundles.len().max(1)).max(1);
-        self.bundles.iter().enumerate().flat_map(move |(module, bundle)| {
-            let length_m = rod.pieces[module * parts].length_m * parts as f64;
+        self.bundles.iter().enumerate().flat_map(move |(own, bundle)| {
+            let length_m = rod.pieces[own * parts].length_m * parts as f64;
             let bays = bundle.bays(length_m);
             (0..bays).map(move |bay| {
                 let place = (bay as f64 + 0.5) / bays as f64 * parts as f64;
                 let part = (place as usize).min(parts - 1);
-                let (index, eta) = (module * parts + part, 2.0 * (place - part as f64) - 1.0);
+                let (index, eta) = (own * parts + part, 2.0 * (place - part as f64) - 1.0);
                 let q = &shape.q.as_slice()[index * UNKNOWNS..][..UNKNOWNS];
                 let [mean, linear] = rod.pieces[index].differences(q);
-                Middle { module, strain: mean + linear * eta }
+                Middle { index: own, strain: mean + linear * eta }
             })
         })
     }
@@ -61,13 +62,13 @@ impl LoadedLimb {
     /// The tube that is closest to buckling in a shape of `rod`, which may have each module in several pieces.
     pub fn buckling(&self, rod: &Rod, shape: &Shape) -> Option<Buckling> {
         let of_middle = |middle: Middle| {
-            let module = middle.module;
-            (0..self.bundles[module].tubes.len()).map(move |tube| {
-                let compression_n = -self.force_n(module, tube, &middle.strain);
-                let bundle = &self.bundles[module];
+            let index = middle.index;
+            (0..self.bundles[index].tubes.len()).map(move |tube| {
+                let compression_n = -self.force_n(index, tube, &middle.strain);
+                let bundle = &self.bundles[index];
                 let stretch = bundle.free.stretch + middle.strain.x;
-                let critical_n = critical_n(&bundle.tubes[tube].1, stretch, bundle.bay_m);
-                Buckling { module, tube, compression_n, critical_n }
+                let critical_n = critical_n(&bundle.tubes[tube].1, stretch, self.column_m(index, stretch));
+                Buckling { module: self.modules[index], tube, compression_n, critical_n }
             })
         };
         let share = |tube: &Buckling| tube.compression_n / tube.critical_n;
@@ -84,29 +85,29 @@ impl LoadedLimb {
             self.motions[index / parts.max(1)] == Motion::Bending
                 && piece.free[1] + mean.y - linear.y.abs() < -by_rad_per_m
         };
-        (0..rod.pieces.len()).find(|index| back(*index)).map(|index| index / parts.max(1))
+        (0..rod.pieces.len()).find(|index| back(*index)).map(|index| self.modules[index / parts.max(1)])
     }
 
     /// Axial force of a tube where its bundle is strained, N; positive where it is pulled.
-    pub(super) fn force_n(&self, module: usize, tube: usize, strain: &Vector4<f64>) -> f64 {
-        let bundle = &self.bundles[module];
+    pub(super) fn force_n(&self, index: usize, tube: usize, strain: &Vector4<f64>) -> f64 {
+        let bundle = &self.bundles[index];
         let ([x, y], tangent) = &bundle.tubes[tube];
-        if self.motions[module] == Motion::Bending {
+        if self.motions[index] == Motion::Bending {
             let line = |stretch: f64, bend: f64| stretch - (x + tangent.outer_radius_m) * bend;
             let all = line(bundle.free.stretch + strain.x, bundle.free.bend_rad_per_m[0] + strain.y);
             return tangent.axial_n * (all - tangent.line_stretch());
         }
         let [free_x, free_y] = bundle.free.bend_rad_per_m;
         let stretch = bundle.free.stretch + strain.x - (free_x + strain.y) * x - (free_y + strain.z) * y;
-        let own = if self.motions[module] == Motion::Twisting { bundle.free.stretch } else { tangent.stretch };
+        let own = if self.motions[index] == Motion::Twisting { bundle.free.stretch } else { tangent.stretch };
         tangent.axial_n * (stretch - own)
     }
 }
 
-/// Force at which a tube buckles between plates that are `bay_m` apart at rest, where the bundle has a stretch.
-pub(super) fn critical_n(tube: &Tangent, stretch: f64, bay_m: f64) -> f64 {
+/// Force at which a tube buckles where its bundle has a stretch, as a column of this length, m.
+pub(super) fn critical_n(tube: &Tangent, stretch: f64, column_m: f64) -> f64 {
     // Stiffness is per length at rest: that of the stretched tube is greater by the stretch.
-    column_n(tube.bending_nm2.min(tube.across_nm2) * stretch, tube.shear_n * stretch, stretch * bay_m)
+    column_n(tube.bending_nm2.min(tube.across_nm2) * stretch, tube.shear_n * stretch, column_m)
 }
 
 /// Force at which a column that shears buckles between clamped ends, N (Haringx); of its bending and shear stiffness, N m2 and N, and its length.

@@ -45,22 +45,27 @@ impl Drive<'_> {
 }
 
 impl LoadedLimb {
-    /// Deformation of each module in a shape of `rod`, which may have each module in several pieces.
+    /// Deformation of each module in a shape of `rod`, which may have each bundle in several pieces. That of a series is the sum over its segments,
+    /// each towards its own direction.
     pub fn deformed(&self, rod: &Rod, shape: &Shape) -> Vec<Deformed> {
         let parts = (rod.pieces.len() / self.rod.pieces.len().max(1)).max(1);
-        let of_module = |(pieces, q): (&[super::Piece], &[f64])| {
-            let mut sum = Deformed::default();
+        let mut all = vec![Deformed::default(); self.modules.last().map_or(0, |last| last + 1)];
+        let mut lengths_m = vec![0.0; all.len()];
+        let pieces = rod.pieces.chunks(parts).zip(shape.q.as_slice().chunks(parts * UNKNOWNS));
+        for (module, (pieces, q)) in self.modules.iter().zip(pieces) {
+            let sum = &mut all[*module];
             for (piece, q) in pieces.iter().zip(q.chunks(UNKNOWNS)) {
                 let [stretch, x, y, twist] = piece.free;
-                sum.axial_stretch += (stretch + q[7]) / parts as f64;
+                lengths_m[*module] += piece.length_m;
+                sum.axial_stretch += (stretch + q[7]) * piece.length_m;
                 // The slopes of the bends are odd along the piece.
                 sum.bend_angle_rad[0] += (x + q[2]) * piece.length_m;
                 sum.bend_angle_rad[1] += (y - q[0]) * piece.length_m;
                 sum.twist_rad += (twist + q[4]) * piece.length_m;
             }
-            sum
-        };
-        rod.pieces.chunks(parts).zip(shape.q.as_slice().chunks(parts * UNKNOWNS)).map(of_module).collect()
+        }
+        all.iter_mut().zip(lengths_m).for_each(|(sum, length_m)| sum.axial_stretch /= length_m);
+        all
     }
 }
 
@@ -72,7 +77,7 @@ impl Rod {
 }
 
 impl Limb {
-    /// Makes `body` the limb as a solid at unknowns `q` of a chain of its modules, which may have each in several pieces; radii are those of
+    /// Makes `body` the limb as a solid at unknowns `q` of a chain of its parts, which may have each in several pieces; radii are those of
     /// [`Limb::shape`] in states without load, one a drive.
     pub fn loaded_shape<'a>(
         &self,
@@ -82,9 +87,9 @@ impl Limb {
         body: &mut Body,
     ) {
         body.restart(self.base());
-        let parts = (rod.pieces.len() / self.modules().len().max(1)).max(1);
+        let parts = (rod.pieces.len() / self.parts().count().max(1)).max(1);
         let pieces = rod.pieces.chunks(parts).zip(q.as_slice().chunks(parts * UNKNOWNS));
-        for ((module, radius_m), (pieces, q)) in self.modules().iter().zip(self.radii_m(states)).zip(pieces) {
+        for ((module, link, radius_m), (pieces, q)) in self.links(states).zip(pieces) {
             for (piece, q) in pieces.iter().zip(q.chunks(UNKNOWNS)) {
                 let turned = |vector: &Vector3<f64>| {
                     let (sin, cos) = piece.mount_angle_rad.sin_cos();
@@ -95,7 +100,10 @@ impl Limb {
                     body.screw(&turned(&turn), &turned(&shift), radius_m);
                 }
             }
-            module.rigid_shape(body);
+            // Nothing rigid is between the segments of a series.
+            if link.rigid_length_m > 0.0 {
+                module.rigid_shape(body);
+            }
         }
     }
 }

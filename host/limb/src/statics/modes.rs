@@ -74,7 +74,7 @@ impl Part {
 }
 
 impl Gyration {
-    /// Gyrations of a limb's modules. The load at the tip is a point mass, or an object that turns about its middle.
+    /// Gyrations of a limb's modules, and of the segments of those in series. The load at the tip is a point mass, or an object that turns about its middle.
     pub fn of_limb(scene: &Scene, limb: &Limb, object: Option<&Object>) -> Vec<Self> {
         let last = limb.modules().len().saturating_sub(1);
         let of_module = |(index, module): (usize, &LimbModule)| {
@@ -85,9 +85,13 @@ impl Gyration {
                 masses_m2.extend(tool.map(|tool| cylinder_m2(tool_m, tool.radius_m)));
                 masses_m2.push(object.map_or([0.0; 2], |object| cylinder_m2(object.height_m, object.radius_m)));
             }
-            Self { section_m2: section_m2(module), masses_m2 }
+            // All masses behind a series are on its last segment.
+            let end = module.parts().len() - 1;
+            let section_m2 = section_m2(module);
+            let of_part = move |part: usize| if part == end { masses_m2.clone() } else { Vec::new() };
+            (0..=end).map(move |part| Self { section_m2, masses_m2: of_part(part) })
         };
-        limb.modules().iter().enumerate().map(of_module).collect()
+        limb.modules().iter().enumerate().flat_map(of_module).collect()
     }
 }
 

@@ -57,7 +57,7 @@ impl LoadedLimb {
         Err(EquilibriumError::Unsettled)
     }
 
-    /// Mean strains of each module at unknowns `q` of `rod`, which may have each module in several pieces: stretch, bends and twist.
+    /// Mean strains of each bundle at unknowns `q` of `rod`, which may have each in several pieces: stretch, bends and twist.
     pub fn strains(&self, rod: &Rod, q: &DVector<f64>) -> Vec<Vector4<f64>> {
         let parts = (rod.pieces.len() / self.rod.pieces.len().max(1)).max(1);
         let of_module = |(pieces, q): (&[Piece], &[f64])| {
@@ -67,20 +67,20 @@ impl LoadedLimb {
         rod.pieces.chunks(parts).zip(q.as_slice().chunks(parts * UNKNOWNS)).map(of_module).collect()
     }
 
-    /// The limb with its tubes' springs about strains of its modules.
+    /// The limb with its tubes' springs about strains of its bundles.
     ///
     /// # Errors
     /// [`EquilibriumError::Overstrained`] where a tube has no stable equilibrium there.
     pub fn at_strains(&self, strains: &[Vector4<f64>]) -> Result<Self, EquilibriumError> {
         let mut limb = self.clone();
-        for (module, strain) in strains.iter().enumerate() {
-            if !self.bundles[module].has_springs() {
+        for (index, strain) in strains.iter().enumerate() {
+            if !self.bundles[index].has_springs() {
                 continue;
             }
-            let bundle = self.bundles[module]
-                .strained(self.motions[module], strain)
-                .ok_or(EquilibriumError::Overstrained { module })?;
-            limb.set_bundle(module, bundle);
+            let bundle = self.bundles[index]
+                .strained(self.motions[index], strain)
+                .ok_or(EquilibriumError::Overstrained { module: self.modules[index] })?;
+            limb.set_bundle(index, bundle);
         }
         limb.strains = strains.to_vec();
         Ok(limb)

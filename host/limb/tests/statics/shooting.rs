@@ -69,7 +69,7 @@ fn shoot(rod: &Rod, share: f64, root: Vector3<f64>) -> (Vector3<f64>, Vector3<f6
 }
 
 /// The tip of the shape that growing loads lead to; `None` where the shooting does not follow.
-fn tip(rod: &Rod) -> Option<Vector3<f64>> {
+pub(crate) fn tip(rod: &Rod) -> Option<Vector3<f64>> {
     let (mut root, mut share, mut step) = (Vector3::zeros(), 0.0, 0.125);
     while share < 1.0 {
         let next = f64::min(share + step, 1.0);

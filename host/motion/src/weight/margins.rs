@@ -75,9 +75,9 @@ pub(crate) fn margins(scene: &Scene, limb: &Limb, plan: &Plan, sent: &Sent) -> R
                 .map_err(|cause| Unreachable::NotCarried { phase: index, time_us: end_us, cause })?;
             margins.worsen(&standing);
         }
-        if let Some(module) =
-            margins.weakest_module.filter(|_| margins.buckling_margin < scene.limits().standing.buckling_margin)
-        {
+        let is_low = margins.buckling_margin < scene.limits().standing.buckling_margin;
+        let weakest = margins.weakest_module.filter(|module| is_low && !limb.modules()[*module].is_series());
+        if let Some(module) = weakest {
             margins.spacers_enough = spacers_enough(scene, limb, &pressures_pa, payload_kg, module);
         }
         Ok(margins)

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use fra_model::{Actuator, State};
 use nalgebra::{DVector, Vector4};
 use softlimb_fea::cross_section::BendingLaw;
-use softlimb_sim::plant::{TrueParameters, Truth};
+use softlimb_sim::plant::{TrueSegment, Truth};
 
 use crate::record::FaultRecord;
 use softlimb_limb::statics::{EquilibriumError, Fidelity, Load, LoadedLimb, Settled, Spring};
@@ -35,7 +35,7 @@ pub(super) struct Hanging<'a> {
     /// What is simulated.
     plant: &'a Scene,
     limb: &'a Limb,
-    /// True actuators, one a channel; known from the first sample on.
+    /// True actuators, one a channel, in a series one a segment; known from the first sample on.
     actuators: Option<Vec<Made>>,
     /// Strains of the modules at the last sample, and its unknowns.
     last: Option<(Vec<Vector4<f64>>, DVector<f64>)>,
@@ -161,46 +161,55 @@ impl<'a> Hanging<'a> {
         if self.actuators.is_none() {
             self.actuators = Some(made(self.limb, truth)?);
         }
-        let actuators = self.actuators.as_ref()?.iter().enumerate();
-        let tubes: Option<Vec<Spring>> = actuators.map(|(channel, made)| tube(made, truth, channel)).collect();
+        let tubes: Option<Vec<Spring>> = self.actuators.as_ref()?.iter().map(|made| tube(made, truth)).collect();
         LoadedLimb::of_springs(self.plant, self.limb, &tubes?, load)
     }
 }
 
-/// A true actuator, with the law of a bender whose model is the finite elements of its section.
+/// A true actuator or segment, with the law of a bender whose model is the finite elements of its section.
 struct Made {
+    channel: usize,
+    /// Index in the series.
+    segment: Option<usize>,
     actuator: Actuator<f64>,
     law: Option<Arc<BendingLaw>>,
 }
 
 /// A true tube: springs at its pressure about the shape that it has, creep included. Below ambient pressure those at rest, as the plant has it.
-fn tube(made: &Made, truth: &Truth, channel: usize) -> Option<Spring> {
-    let channel = truth.channels.get(channel)?;
+fn tube(made: &Made, truth: &Truth) -> Option<Spring> {
+    let channel = truth.channels.get(made.channel)?;
+    let shape = made.segment.map_or(Some(&channel.shape), |segment| channel.segments.get(segment))?;
     let pressure_pa = channel.pressure_pa.max(0.0);
     let spring = match &made.law {
         Some(law) => Spring::by_section(&made.actuator, law, pressure_pa),
         None => Spring::new(&made.actuator, pressure_pa),
     };
-    Some(spring?.about(&channel.shape))
+    Some(spring?.about(shape))
 }
 
+/// The true actuators, part after part of the limb, those of all channels in each.
 fn made(limb: &Limb, truth: &Truth) -> Option<Vec<Made>> {
-    let mut all: Vec<(Made, &TrueParameters)> = Vec::with_capacity(truth.channels.len());
-    for (channel, true_channel) in truth.channels.iter().enumerate() {
-        let parameters = &true_channel.parameters;
-        let module = limb.modules().iter().find(|module| module.channels.contains(&channel))?;
-        let (actuator, second) = (&parameters.actuator, parameters.second_fiber.as_ref());
-        let made = if module.is_by_section() {
-            let is_like =
-                |other: &&TrueParameters| (&other.actuator, other.second_fiber.as_ref()) == (actuator, second);
-            let known = all.iter().find(|(made, other)| made.law.is_some() && is_like(other));
-            let known = known.and_then(|(made, _)| made.law.clone());
-            let law = known.or_else(|| bending_law(actuator, second, module.pressure_max_pa))?;
-            Made { actuator: Actuator::new(actuator).ok()?, law: Some(law) }
-        } else {
-            Made { actuator: parameters.model().ok()?, law: None }
-        };
-        all.push((made, parameters));
+    let mut all: Vec<(Made, TrueSegment)> = Vec::with_capacity(truth.channels.len());
+    for module in limb.modules() {
+        for (index, part) in module.parts().iter().enumerate() {
+            for channel in part.channels.clone() {
+                let parameters = &truth.channels.get(channel)?.parameters;
+                let segment = module.is_series().then_some(index);
+                let own = match segment {
+                    Some(segment) => *parameters.segments.get(segment)?,
+                    None => parameters.whole(),
+                };
+                let (actuator, law) = if part.is_by_section() {
+                    let known = all.iter().find(|(made, other)| made.law.is_some() && *other == own);
+                    let known = known.and_then(|(made, _)| made.law.clone());
+                    let find = || bending_law(&own.actuator, own.second_fiber.as_ref(), part.pressure_max_pa);
+                    (Actuator::new(&own.actuator).ok()?, Some(known.or_else(find)?))
+                } else {
+                    (own.model().ok()?, None)
+                };
+                all.push((Made { channel, segment, actuator, law }, own));
+            }
+        }
     }
     Some(all.into_iter().map(|(made, _)| made).collect())
 }

@@ -202,6 +202,14 @@ impl Module {
         f64::from(self.actuators) * section * *self.length_m * self.density_kg_per_m3
     }
 
+    /// A mass that is spread along it, kg, by what has one winding along its length, from the base to the tip.
+    pub fn spread_kg(&self, kg: f64) -> Vec<f64> {
+        if self.segments.is_empty() {
+            return vec![kg];
+        }
+        self.segments.iter().map(|segment| kg * *segment.length_m / *self.length_m).collect()
+    }
+
     /// Mass of its spacers, kg.
     pub fn spacers_mass_kg(&self) -> f64 {
         f64::from(self.spacers) * self.spacer_mass_kg

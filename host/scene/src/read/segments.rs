@@ -30,6 +30,10 @@ pub(super) fn segments(
         return reader.log().note(problem.help("a module of one segment has `length` and `winding` itself"));
     }
     let own = reader.forbid(&[module::LENGTH.name, module::WINDING.name], "with `segments`, which have their own");
+    let plates = reader.forbid(
+        &[module::SPACERS.name, module::SPACER_MASS.name],
+        "with `segments`, which have nothing rigid between them",
+    );
     let places = match actuators {
         Some(count) if *count != 1 => {
             let problem = Problem::at(count.span, "a module with `segments` has one actuator", "several here");
@@ -42,7 +46,7 @@ pub(super) fn segments(
     };
     let read: Vec<_> = tables.iter().map(|table| segment(table, windings, wall, law)).collect();
     let segments: Vec<ModuleSegment> = read.into_iter().collect::<Option<_>>()?;
-    own.and(places)?;
+    own.and(places).and(plates)?;
     actuators?;
     let motion = motion?;
     if *motion == Motion::Expansion {

@@ -26,8 +26,8 @@ const CONVERGED: f64 = 1e-9;
 /// Tubes between two plates.
 #[derive(Clone, Debug)]
 struct Bay {
-    /// Index of its module.
-    module: usize,
+    /// Index of its bundle.
+    bundle: usize,
     /// Length of the rigid part before it, m.
     before_m: f64,
     tubes: Vec<Held>,
@@ -189,14 +189,15 @@ impl Plates {
     /// The tube that is closest to buckling, of the limb that this is.
     pub fn buckling(&self, limb: &LoadedLimb) -> Option<Buckling> {
         let of_bay = |bay: &Bay| {
-            let (module, bundle) = (bay.module, &limb.bundles[bay.module]);
+            let (index, bundle) = (bay.bundle, &limb.bundles[bay.bundle]);
             let tube = |(tube, force_n): (usize, f64)| {
-                let critical_n = critical_n(&bundle.tubes[tube].1, bundle.free.stretch, bundle.bay_m);
-                Buckling { module, tube, compression_n: -force_n, critical_n }
+                let critical_n =
+                    critical_n(&bundle.tubes[tube].1, bundle.free.stretch, limb.column_m(index, bundle.free.stretch));
+                Buckling { module: limb.modules[index], tube, compression_n: -force_n, critical_n }
             };
-            let forces: Vec<f64> = if limb.motions[module] == Motion::Bending {
+            let forces: Vec<f64> = if limb.motions[index] == Motion::Bending {
                 let strain = bay.tubes[0].strain();
-                (0..bundle.tubes.len()).map(|index| limb.force_n(module, index, &strain)).collect()
+                (0..bundle.tubes.len()).map(|tube| limb.force_n(index, tube, &strain)).collect()
             } else {
                 bay.tubes.iter().map(Held::axial_n).collect()
             };

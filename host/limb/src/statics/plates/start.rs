@@ -58,9 +58,9 @@ impl LoadedLimb {
         let parts = (rod.pieces.len() / self.rod.pieces.len().max(1)).max(1);
         let mut bays = Vec::new();
         let mut before_m = 0.0;
-        for (module, piece) in self.rod.pieces.iter().enumerate() {
-            let bundle = &self.bundles[module];
-            let bending = self.motions[module] == Motion::Bending;
+        for (number, piece) in self.rod.pieces.iter().enumerate() {
+            let bundle = &self.bundles[number];
+            let bending = self.motions[number] == Motion::Bending;
             let count = if bending { 1 } else { bundle.bays(piece.length_m) };
             let pieces = (fine * (4_usize).div_ceil(count).max(2)).div_ceil(2);
             let mount = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), piece.mount_angle_rad);
@@ -68,7 +68,7 @@ impl LoadedLimb {
                 let place = |end: usize| (bay * pieces + end) as f64 / (count * pieces) as f64;
                 let strains: Vec<Strains> = (0..pieces)
                     .map(|index| {
-                        Strains::of(rod, q, module * parts..(module + 1) * parts, [place(index), place(index + 1)])
+                        Strains::of(rod, q, number * parts..(number + 1) * parts, [place(index), place(index + 1)])
                     })
                     .collect();
                 let tube = |[x, y]: [f64; 2], like: Piece| {
@@ -89,12 +89,12 @@ impl LoadedLimb {
                 } else {
                     let kg_per_m = piece.kg_per_m / bundle.tubes.len() as f64;
                     let alone = |(place, tangent): &([f64; 2], Tangent)| {
-                        tube(*place, alone(self.motions[module], tangent, kg_per_m))
+                        tube(*place, alone(self.motions[number], tangent, kg_per_m))
                     };
                     bundle.tubes.iter().map(alone).collect()
                 };
                 bays.push(Bay {
-                    module,
+                    bundle: number,
                     before_m: std::mem::take(&mut before_m),
                     tubes,
                     way: middle.at * way * middle.at.inverse(),
