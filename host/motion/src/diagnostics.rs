@@ -18,7 +18,7 @@ use super::space::{Hindrance, Space};
 use super::timing::rate_max;
 use super::unreachable::{Shortcoming, Unreachable};
 use super::upright::Upright;
-use super::weight::{self, Margins, PoseError, Swing};
+use super::weight::{self, Margins, PoseError, Swing, Vibrations};
 use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Corrections, Goal, Phase, Scene, SceneError, Shaping, Span};
@@ -78,6 +78,14 @@ pub fn margins(scene: &Scene, limb: &Limb, plan: &Plan, sent: &Sent) -> Result<V
 /// A diagnostic at the phase in which the limb falls.
 pub fn swings(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Swing>, SceneError> {
     weight::swings(scene, limb, plan).map_err(|why| Words { scene, limb }.diagnostic(&why))
+}
+
+/// Natural vibrations in all poses at the ends of moves and, where a mass changes hands, of holds; none of a limb whose setpoints are not corrected for weight.
+///
+/// # Errors
+/// A diagnostic at the phase in which the limb falls.
+pub fn vibrations(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Vibrations>, SceneError> {
+    weight::vibrations(scene, limb, plan).map_err(|why| Words { scene, limb }.diagnostic(&why))
 }
 
 /// The setpoints of a plan as they are sent: with the corrections of its scene.

@@ -32,7 +32,7 @@ mod wire;
 
 pub use air::{AirDemand, air_demand, dead_volume_m3, line_conductance_m3_per_s_pa};
 pub use clear::Nearness;
-pub use diagnostics::{corrected, margins, plan, sent, swings};
+pub use diagnostics::{corrected, margins, plan, sent, swings, vibrations};
 pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, solve, solve_tip};
 pub use inverses::{ModuleInverse, check_goals, inverses};
 pub use jacobian::tip_slopes;

@@ -13,7 +13,7 @@ pub use nominal::{Nominal, Pose, PoseError};
 pub(crate) use nominal::{pressures_pa, step_pa};
 pub use slopes::planned_slopes;
 pub use swing::{Swing, Vibrations};
-pub(crate) use swing::{calmed, swings};
+pub(crate) use swing::{calmed, swings, vibrations};
 
 use fra_model::State;
 use nalgebra::Vector3;

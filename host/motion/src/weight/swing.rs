@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 
 use super::nominal::{Nominal, PoseError, pressures_pa};
 use crate::path::Path;
-use crate::payload::{Carrying, carried};
+use crate::payload::{Carried, Carrying, carried};
 use crate::plan::{Plan, PlannedPhase};
 use crate::profile::Shaper;
 use crate::unreachable::Unreachable;
@@ -84,13 +84,7 @@ pub(crate) fn swings(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Swin
     let of_phase = |(index, phase): (usize, &PlannedPhase)| {
         let carried = carried[index];
         let excited = swinging.excited(index, phase, carried.moved)?;
-        let held = if carried.held.payload_kg == carried.moved.payload_kg {
-            None
-        } else {
-            let states = swinging.states(phase.last());
-            let modes = swinging.modes(&states, carried.held).map_err(|cause| fallen(index, phase, cause))?;
-            Some(swinging.vibrations(&modes))
-        };
+        let held = swinging.held(index, phase, &carried)?;
         let way = excited.way(&phase.path, 1.0);
         Ok(Swing {
             moved: swinging.vibrations(&excited.modes),
@@ -101,6 +95,26 @@ pub(crate) fn swings(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Swin
         })
     };
     plan.phases.iter().enumerate().map(of_phase).collect()
+}
+
+/// Natural vibrations in all poses at the ends of moves and, where a mass changes hands, of holds; none of a limb whose setpoints are not corrected for weight.
+///
+/// # Errors
+/// [`Unreachable::NotCarried`] where the limb falls.
+pub(crate) fn vibrations(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Vibrations>, Unreachable> {
+    if plan.weighed().is_none() {
+        return Ok(Vec::new());
+    }
+    let mut swinging = Swinging::new(scene, limb);
+    let carried = carried(scene.phases());
+    let mut found = Vec::new();
+    for (index, (phase, carried)) in plan.phases.iter().zip(&carried).enumerate() {
+        let states = swinging.states(&phase.values);
+        let modes = swinging.modes(&states, carried.moved).map_err(|cause| fallen(index, phase, cause))?;
+        found.push(swinging.vibrations(&modes));
+        found.extend(swinging.held(index, phase, carried)?);
+    }
+    Ok(found)
 }
 
 fn fallen(index: usize, phase: &PlannedPhase, cause: PoseError) -> Unreachable {
@@ -192,6 +206,21 @@ impl<'a> Swinging<'a> {
         let pose = self.nominal.at(&pressures_pa(states), carrying.payload_kg)?;
         let unstable = PoseError::EquilibriumError(EquilibriumError::Unstable { share: 1.0 });
         pose.shape.modes(&pose.rod, &self.gyration(carrying), MODES).ok_or(unstable)
+    }
+
+    /// Vibrations at the end of a hold in which a mass changes hands; `None` of others.
+    fn held(
+        &mut self,
+        index: usize,
+        phase: &PlannedPhase,
+        carried: &Carried,
+    ) -> Result<Option<Vibrations>, Unreachable> {
+        if carried.held.payload_kg == carried.moved.payload_kg {
+            return Ok(None);
+        }
+        let states = self.states(phase.last());
+        let modes = self.modes(&states, carried.held).map_err(|cause| fallen(index, phase, cause))?;
+        Ok(Some(self.vibrations(&modes)))
     }
 
     fn damping(&self, mode: &Mode) -> f64 {

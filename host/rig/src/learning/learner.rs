@@ -20,10 +20,11 @@ use super::score::{SETTLING_S, errors_m, pause_s};
 use crate::record::Sample;
 use crate::run::Prepared;
 use softlimb_limb::{Drive, Limb};
-use softlimb_motion::{Plan, planned_slopes};
-use softlimb_scene::Corrections;
+use softlimb_motion::{Plan, planned_slopes, vibrations};
+use softlimb_scene::{Corrections, SceneError};
 
-/// Time between instants of the corrections while the limb moves, and at most while it rests, s.
+/// Time between instants of the corrections while the limb moves, and at most while it rests, s; on a limb under weight no less than the period of its slowest
+/// vibration.
 const MOVING_S: f64 = 0.1;
 const RESTING_S: f64 = 0.5;
 /// Least damping, m: below the camera's resolution.
@@ -65,16 +66,21 @@ struct Best {
 
 impl<'a> Learner<'a> {
     /// Without corrections. `camera_noise_m` as in [`Settings`](super::Settings).
-    pub(super) fn new(model: &'a Prepared<'_>, camera_noise_m: f64, seed: u64) -> Self {
+    ///
+    /// # Errors
+    /// A diagnostic at the phase in which the limb falls.
+    pub(super) fn new(model: &'a Prepared<'_>, camera_noise_m: f64, seed: u64) -> Result<Self, SceneError> {
         let (limb, plan) = (model.limb(), model.plan());
         let groups = groups(limb, plan.weighed().is_some());
-        let (times_s, resting): (Vec<_>, Vec<_>) = instants(plan).into_iter().unzip();
+        let vibrations = vibrations(model.scene(), limb, plan)?;
+        let period_s = vibrations.iter().map(|pose| 1.0 / pose.frequency_hz[0]).fold(0.0, f64::max);
+        let (times_s, resting): (Vec<_>, Vec<_>) = instants(plan, period_s).into_iter().unzip();
         let rows = vec![vec![0.0; limb.channels()]; times_s.len()];
         let columns = |time_s: &f64| columns(limb, &groups, &planned_slopes(model.scene(), limb, plan, 1e6 * time_s));
         let columns = times_s.iter().map(columns).collect();
         let corrections = Corrections { times_s, rows };
         let camera = Camera::new(camera_noise_m, seed);
-        Self { limb, plan, corrections, resting, groups, columns, iterations: 0, best: None, caution: 1.0, camera }
+        Ok(Self { limb, plan, corrections, resting, groups, columns, iterations: 0, best: None, caution: 1.0, camera })
     }
 
     /// The present corrections.
@@ -252,7 +258,11 @@ fn damped(columns: &[Vector3<f64>], wanted: &Vector3<f64>) -> Vec<f64> {
 }
 
 /// Instants of the corrections, s, rising, from the start to the end of the last phase, two at least; and whether the limb rests there.
-fn instants(plan: &Plan) -> Vec<(f64, bool)> {
+///
+/// They lie a period of the slowest vibration apart where they can: a lightly damped limb answers corrections in that rhythm late and many times as large as its
+/// statics have it, so that they would grow from run to run.
+fn instants(plan: &Plan, period_s: f64) -> Vec<(f64, bool)> {
+    let (moving_s, resting_s) = (MOVING_S.max(period_s), RESTING_S.max(period_s));
     let mut times = vec![(0.0, false)];
     let mut until = |end_s: f64, step_s: f64, rests: bool| {
         let (begin_s, _) = times[times.len() - 1];
@@ -264,8 +274,8 @@ fn instants(plan: &Plan) -> Vec<(f64, bool)> {
     };
     for phase in &plan.phases {
         let (begin_s, end_s) = pause_s(phase);
-        until((begin_s + SETTLING_S).min(end_s), MOVING_S, false);
-        until(end_s, RESTING_S, true);
+        until((begin_s + SETTLING_S).min(end_s), moving_s, false);
+        until(end_s, resting_s, true);
     }
     if times.len() < 2 {
         times.push((MOVING_S, false));
@@ -303,7 +313,7 @@ mod tests {
     fn straight_lines_between_the_instants_of_a_pause_are_found_as_they_are() {
         let scene = scene();
         let model = Prepared::by_model(&scene).unwrap();
-        let learner = Learner::new(&model, 0.0, 1);
+        let learner = Learner::new(&model, 0.0, 1).unwrap();
         let times = &learner.corrections().times_s;
         // Up and down from instant to instant in pauses, which a mean around each would flatten; in moves something else.
         let height = |index: usize| if index.is_multiple_of(2) { 1e-3 } else { -2e-3 };
@@ -330,7 +340,7 @@ mod tests {
     #[test]
     fn pause_has_instants_of_its_own() {
         let scene = scene();
-        let instants = instants(Prepared::by_model(&scene).unwrap().plan());
+        let instants = instants(Prepared::by_model(&scene).unwrap().plan(), 0.0);
         assert!(instants.is_sorted_by(|(a, _), (b, _)| a < b));
         // Moves of 1.5 s and pauses of 1 s.
         for (time_s, rests) in instants {

@@ -96,7 +96,8 @@ fn iterate<'a, 's>(
     settings: &Settings,
     noises: &mut impl Iterator<Item = u64>,
 ) -> Result<(Learner<'a>, Prepared<'s>, Vec<f64>), LearningError> {
-    let mut learner = Learner::new(model, settings.camera_noise_m, settings.noise);
+    let learner = Learner::new(model, settings.camera_noise_m, settings.noise);
+    let mut learner = learner.map_err(RunError::from)?;
     let mut corrected = model.corrected(learner.corrections())?;
     let mut observed_m = Vec::new();
     for noise in noises.take(settings.iterations as usize) {
