@@ -1,7 +1,7 @@
 //! Bending moments of a module by finite elements of its section, interpolated over its radii.
 //!
-//! A search judges thousands of limbs, and finite elements of one section take a tenth of a second. The laws of sections at Chebyshev nodes of inner radius and wall
-//! are made once. Between them the numbers of a law are polynomials in both sizes, so derivatives by the sizes are smooth.
+//! A search judges thousands of limbs, and finite elements of one section take a tenth of a second. The laws of sections at Chebyshev nodes of inner radius and
+//! wall are made once. Between them the numbers of a law are polynomials in the logarithms of both sizes, so derivatives by the sizes are smooth.
 
 use std::f64::consts::PI;
 use std::num::NonZero;
@@ -9,6 +9,7 @@ use std::sync::{Arc, OnceLock};
 
 use softlimb_fea::cross_section::BendingLaw;
 use softlimb_limb::bending_law;
+use softlimb_numerics::lagrange_weights;
 
 use super::local_solve::abreast;
 use super::space::ModuleSpace;
@@ -19,7 +20,7 @@ const NODES: usize = 5;
 
 /// The laws of all sections within the bounds of a module, made when they are first asked for.
 ///
-/// Equal are those that are made once for both.
+/// Two are equal where both share what is made.
 #[derive(Clone, Debug, Default)]
 pub struct Laws(Arc<OnceLock<Result<Nodes, [f64; 2]>>>);
 
@@ -31,7 +32,7 @@ impl PartialEq for Laws {
 
 #[derive(Debug)]
 struct Nodes {
-    /// Inner radius and wall, m.
+    /// Logarithms of inner radii and walls, m.
     along: [Vec<f64>; 2],
     /// By the inner radius, then by the wall; of several those of sections of an outer radius of 1 m, which vary less.
     laws: Vec<Arc<BendingLaw>>,
@@ -48,7 +49,7 @@ impl Laws {
             return Ok(law.clone());
         }
         let [by_inner, by_wall] =
-            [(0, inner_m), (1, outer_m - inner_m)].map(|(size, at)| weights(&nodes.along[size], at));
+            [(0, inner_m), (1, outer_m - inner_m)].map(|(size, at)| lagrange_weights(&nodes.along[size], f64::ln(at)));
         let weights = by_inner.iter().flat_map(|inner| by_wall.iter().map(move |wall| inner * wall));
         let law = BendingLaw::between(weights.zip(nodes.laws.iter().map(Arc::as_ref)));
         law.map(|law| Arc::new(law.enlarged(outer_m))).ok_or([inner_m, outer_m])
@@ -57,9 +58,9 @@ impl Laws {
 
 impl Nodes {
     fn new(module: &ModuleSpace) -> Result<Self, [f64; 2]> {
-        let along = [module.inner_radius_m, module.wall_m].map(nodes);
+        let [inner_radii_m, walls_m] = [module.inner_radius_m, module.wall_m].map(nodes);
         let radii: Vec<[f64; 2]> =
-            along[0].iter().flat_map(|inner| along[1].iter().map(move |wall| [*inner, inner + wall])).collect();
+            inner_radii_m.iter().flat_map(|inner| walls_m.iter().map(move |wall| [*inner, inner + wall])).collect();
         let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
         let shares: Vec<&[[f64; 2]]> = radii.chunks(radii.len().div_ceil(threads)).collect();
         let law = |radii_m: &[f64; 2]| {
@@ -71,24 +72,16 @@ impl Nodes {
         if laws.len() > 1 {
             laws.iter_mut().zip(&radii).for_each(|(law, [_, outer_m])| *law = Arc::new(law.enlarged(1.0 / outer_m)));
         }
+        let along = [inner_radii_m, walls_m].map(|sizes_m| sizes_m.into_iter().map(f64::ln).collect());
         Ok(Self { along, laws })
     }
 }
 
-/// Chebyshev nodes of bounds; one where they have no width.
+/// Chebyshev nodes of bounds, even in the logarithm; one where they have no width.
 fn nodes([low, high]: Bounds) -> Vec<f64> {
     let count = if high > low { NODES } else { 1 };
     let at = |index: usize| 0.5 - 0.5 * (PI * (index as f64 + 0.5) / count as f64).cos();
     (0..count).map(|index| low * (high / low).powf(at(index))).collect()
-}
-
-/// Weights of the values at nodes in their polynomial at a place.
-fn weights(nodes: &[f64], at: f64) -> Vec<f64> {
-    let weight = |own: &f64| {
-        let others = nodes.iter().filter(|other| *other != own);
-        others.map(|other| (at / other).ln() / (own / other).ln()).product()
-    };
-    nodes.iter().map(weight).collect()
 }
 
 #[cfg(test)]
