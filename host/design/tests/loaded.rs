@@ -127,8 +127,7 @@ fn limb_with_ends_is_found_that_stands_where_the_task_wants_it() {
     }
 }
 
-/// Bends by finite elements, of which the search has an interpolation, and the statics of the written scene the law of its own radii; and tubes with two
-/// windings.
+/// The search interpolates the laws of wound benders; the statics of the written scene have the law of its radii. Tubes with two windings are designed, too.
 #[test]
 fn limb_with_wound_benders_is_found_that_stands_where_the_task_wants_it() {
     let windings =

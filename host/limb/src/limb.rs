@@ -413,7 +413,7 @@ impl Limb {
         self.modules.last().map_or(0, |module| module.channels.end)
     }
 
-    /// What has one winding along its length, from the base outwards: modules, and segments of those in series.
+    /// The parts of uniform winding, from the base outwards: modules, or the segments of a series.
     pub fn parts(&self) -> impl Iterator<Item = &LimbModule> {
         self.modules.iter().flat_map(LimbModule::parts)
     }
@@ -506,7 +506,7 @@ fn build_module(
     Ok(built)
 }
 
-/// A segment of a module as a module; what is rigid is behind the last.
+/// A segment of a module, as a module. Only the last segment has the rigid part behind it.
 fn part(
     scene: &Scene,
     module: &LimbModule,
@@ -536,7 +536,7 @@ fn part(
     })
 }
 
-/// The law of an actuator whose load-bending needs one: in a scene without weight from its first load on.
+/// The bending law of an actuator that needs one. A scene without weight makes it at the first load.
 fn law(
     scene: &Scene,
     needs_law: bool,

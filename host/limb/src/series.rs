@@ -13,7 +13,7 @@ const PASSES: usize = 8;
 /// Relative difference of pressures below which two curves end together.
 const TOGETHER: f64 = 1e-9;
 
-/// A segment before it is a module.
+/// The actuator and the curve that a segment is built from.
 pub(crate) struct Wound {
     pub(crate) actuator: Actuator<f64>,
     pub(crate) curve: StateCurve,
@@ -41,7 +41,7 @@ impl LimbModule {
         !self.segments.is_empty()
     }
 
-    /// The modules of one winding that it consists of: its segments, or itself.
+    /// Its parts of uniform winding: its segments, or the module itself.
     pub fn parts(&self) -> &[LimbModule] {
         if self.is_series() { &self.segments } else { std::slice::from_ref(self) }
     }

@@ -36,8 +36,8 @@ pub(crate) struct Model {
     pub(crate) section: Option<Section>,
 }
 
-/// Largest relative error that the analytic bend of a candidate states up to a pressure; `None` of one that finite elements are not asked for, and within where
-/// it states none.
+/// Largest stated error of a candidate's analytic bend up to a pressure, relative. The outer `None` is for a candidate without finite elements, the inner one
+/// for a bend without a stated error.
 fn stated_error(candidate: &Candidate, cap_pa: f64) -> Option<Option<f64>> {
     let (parameters, second) = candidate.segment.by_section(&candidate.geometry)?;
     if second.is_some() {

@@ -37,7 +37,7 @@ pub fn loaded_design(scene: &Scene) -> Result<LoadedDesign, BriefError> {
         let help = Some("remove `modules` and `motions`, or search with `simulated = false` in `[weight]` first");
         return Err(scene.diagnostic(choice.span, title, "motions and their order are left open here", help).into());
     }
-    // Refuses benders that twist.
+    // A bender that twists is refused there.
     Limb::new(scene)?;
     let modules = scene.modules().iter().enumerate();
     let modules = modules.map(|(index, module)| module_space(scene, index, module)).collect::<Result<_, _>>()?;

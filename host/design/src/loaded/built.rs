@@ -18,9 +18,9 @@ use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, LoadedLimb, Piece, Rod, S
 pub(super) struct BuiltModule {
     motion: Motion,
     actuator: Actuator<f64>,
-    /// Of a bender whose bends are those of finite elements.
+    /// The bending law of a bender that finite elements bend.
     law: Option<Arc<BendingLaw>>,
-    /// Where it comes from.
+    /// The table that the law is taken from.
     laws: Option<Laws>,
     positions_m: Vec<[f64; 2]>,
     /// Length of the part that moves, m.

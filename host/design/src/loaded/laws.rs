@@ -20,7 +20,7 @@ const NODES: usize = 5;
 
 /// The laws of all sections within the bounds of a module, made when they are first asked for.
 ///
-/// Two are equal where both share what is made.
+/// Two are equal where they are one shared table.
 #[derive(Clone, Debug, Default)]
 pub struct Laws(Arc<OnceLock<Result<Nodes, [f64; 2]>>>);
 
@@ -34,7 +34,7 @@ impl PartialEq for Laws {
 struct Nodes {
     /// Logarithms of inner radii and walls, m.
     along: [Vec<f64>; 2],
-    /// By the inner radius, then by the wall; of several those of sections of an outer radius of 1 m, which vary less.
+    /// By the inner radius, then by the wall. Several are scaled to an outer radius of 1 m: they then vary less from node to node.
     laws: Vec<Arc<BendingLaw>>,
 }
 
@@ -42,7 +42,7 @@ impl Laws {
     /// The law of a section of a module with inner and outer radius, m.
     ///
     /// # Errors
-    /// The radii of a section within the bounds that finite elements give no law, m.
+    /// Inner and outer radius, m, of a section within the bounds that has no law.
     pub(crate) fn at(&self, module: &ModuleSpace, [inner_m, outer_m]: [f64; 2]) -> Result<Arc<BendingLaw>, [f64; 2]> {
         let nodes = self.0.get_or_init(|| Nodes::new(module)).as_ref().map_err(|radii_m| *radii_m)?;
         if let [law] = &nodes.laws[..] {
@@ -114,7 +114,7 @@ mod tests {
             for share in [0.1, 0.3, 0.6, 1.0] {
                 let pressure_pa = share * module.pressure_max_pa;
                 let bends = [&found, &exact].map(|law| law.bend_rad_per_m(pressure_pa).unwrap());
-                // With a tenth of the bend held back.
+                // A moment holds a tenth of the bend back.
                 let held = [&found, &exact].map(|law| law.moment(0.9 * bends[1], pressure_pa).unwrap());
                 let beside = [&found, &exact].map(|law| law.beside_nm2(pressure_pa)[1]);
                 let off =

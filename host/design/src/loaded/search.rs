@@ -109,7 +109,7 @@ pub fn search_to_run(
     let Candidate { minimum, mut by, keeps: mut reached, refused } = best;
     let (point, mut limb) = (minimum.point, minimum.evaluation.limb);
     if space.modules.iter().any(|module| module.laws.is_some()) {
-        // By the laws of its own radii, the same as those of `check`.
+        // `check` has the law of the radii found, without interpolation.
         limb = limb.reaching(task, &space.at_radii(&limb.sizes), &by).unwrap_or(limb);
     }
     let confirmed = if effort.by_tubes { confirm(task, &limb, &by) } else { Vec::new() };

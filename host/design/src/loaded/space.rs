@@ -276,7 +276,7 @@ impl ModuleSpace {
         ]
     }
 
-    /// Makes laws anew when they are next asked for: those of other bounds or pressures do not do.
+    /// Discards the laws, which hold for the bounds and the pressure that they were made for.
     fn forget_laws(&mut self) {
         self.laws = self.laws.as_ref().map(|_| Laws::default());
     }

@@ -1,6 +1,6 @@
-//! Benders that bend by finite elements of their section, as they were made.
+//! Specimens of benders by finite elements of their section.
 //!
-//! A solution at four pressures takes some 40 ms, and the samples ask for ten thousands. A polynomial in wall, angle and modulus goes through the
+//! A solution at four pressures takes some 40 ms, and a study has tens of thousands of specimens. A polynomial in wall, angle and modulus goes through the
 //! solutions on a grid of the tolerances.
 
 use fra_model::Actuator;

@@ -1,4 +1,4 @@
-//! Benders by finite elements of their section: each specimen against a solution of its own on the finer mesh and an arc in closed form.
+//! Benders by finite elements of their section. The expected tip of a specimen is the end of an arc whose bend is solved on the finer mesh.
 
 use fra_model::{ActuatorParameters, Fiber, Material};
 use nalgebra::Vector3;

@@ -259,8 +259,8 @@ fn damped(columns: &[Vector3<f64>], wanted: &Vector3<f64>) -> Vec<f64> {
 
 /// Instants of the corrections, s, rising, from the start to the end of the last phase, two at least; and whether the limb rests there.
 ///
-/// They lie a period of the slowest vibration apart where they can: a lightly damped limb answers corrections in that rhythm late and many times as large as its
-/// statics have it, so that they would grow from run to run.
+/// Neighbours are at least a period of the slowest vibration apart, where a move or a pause is that long. A lightly damped limb amplifies corrections at its
+/// natural frequency: they would grow from run to run.
 fn instants(plan: &Plan, period_s: f64) -> Vec<(f64, bool)> {
     let (moving_s, resting_s) = (MOVING_S.max(period_s), RESTING_S.max(period_s));
     let mut times = vec![(0.0, false)];
