@@ -2,6 +2,7 @@
 
 mod creep;
 mod loaded;
+mod loops;
 mod noise;
 mod pressure;
 mod range;

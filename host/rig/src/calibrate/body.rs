@@ -5,7 +5,7 @@ use fra_model::{
     Status,
 };
 
-use super::Property;
+use super::{Branch, Property};
 
 /// One actuator, or the actuators of a module taken as equal, with the sensor of its pressure.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +18,8 @@ pub struct Body {
     pub second_fiber: Option<Fiber<f64>>,
     /// Pressure that seats wall and thread before they deform, Pa.
     pub seating_pressure_pa: f64,
+    /// Pressure on loading less that on unloading, at one deformation, Pa.
+    pub loop_width_pa: f64,
     /// Reading of the sensor at no pressure, Pa.
     pub pressure_offset_pa: f64,
     /// Change of the reading by 1 Pa more; > 0.
@@ -58,10 +60,22 @@ pub(super) struct Answer {
     pub(super) value: f64,
     quantity: StateQuantity,
     state: State<f64>,
-    /// Gauge pressure that the reading means, Pa; of a mirrored bend the opposite.
+    /// Gauge pressure that the reading means, Pa.
     pressure_pa: f64,
-    /// -1 where the bend at the opposite pressure was asked in place of a bend backwards, else 1.
-    sign: f64,
+    deforming: Deforming,
+    branch: Branch,
+}
+
+/// The part of a gauge pressure that deforms an actuator.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Deforming {
+    /// It, Pa.
+    pub(super) pressure_pa: f64,
+    /// -1 where it is that of the mirrored bend, else 1.
+    pub(super) sign: f64,
+    /// Its derivatives by the gauge pressure and by the width of the dead band.
+    by_pressure: f64,
+    by_band: f64,
 }
 
 impl Body {
@@ -72,6 +86,7 @@ impl Body {
             parameters,
             second_fiber: None,
             seating_pressure_pa: 0.0,
+            loop_width_pa: 0.0,
             pressure_offset_pa: 0.0,
             pressure_gain: 1.0,
         }
@@ -97,17 +112,27 @@ impl Body {
         (reading_pa - self.pressure_offset_pa) / self.pressure_gain
     }
 
-    /// The part of a gauge pressure that deforms the actuator, Pa: beyond the seating pressure. A vacuum needs no seating.
-    pub fn deforming_pa(&self, pressure_pa: f64) -> f64 {
-        if pressure_pa < 0.0 { pressure_pa } else { (pressure_pa - self.seating_pressure_pa).max(0.0) }
-    }
-
-    /// The gauge pressure, Pa, that a reading means, and the sign of the deformation. A bending actuator does not bend backwards; readings a little below zero, as
-    /// noise gives them, mean the mirrored bend at the opposite pressure, so that the mean of readings around zero means none.
-    pub(super) fn mirrored(&self, reading_pa: f64) -> (f64, f64) {
+    /// The part of the pressure of a reading that deforms the actuator: beyond the seating pressure, and half the width of the loop more on loading or less on
+    /// unloading. A vacuum needs no seating.
+    ///
+    /// A bending actuator does not bend backwards; readings a little below zero, as noise gives them, mean the mirrored bend at the opposite pressure, so that the
+    /// mean of readings around zero means none.
+    pub(super) fn deforming(&self, reading_pa: f64, branch: Branch) -> Deforming {
+        let band_pa = self.seating_pressure_pa + 0.5 * branch.sign() * self.loop_width_pa;
         let pressure_pa = self.pressure_pa(reading_pa);
-        let sign = if self.parameters.motion == Motion::Bending && pressure_pa < 0.0 { -1.0 } else { 1.0 };
-        (sign * pressure_pa, sign)
+        // On unloading a wide loop leaves a deformation at no pressure.
+        let (band_pa, moved_pa, by_band) =
+            if band_pa < 0.0 { (0.0, pressure_pa - band_pa, -1.0) } else { (band_pa, pressure_pa, 0.0) };
+        let sign = if self.parameters.motion == Motion::Bending && moved_pa < 0.0 { -1.0 } else { 1.0 };
+        let pressure_pa = sign * moved_pa;
+        if pressure_pa < 0.0 {
+            Deforming { pressure_pa, sign, by_pressure: sign, by_band: sign * by_band }
+        } else if pressure_pa < band_pa {
+            Deforming { pressure_pa: 0.0, sign, by_pressure: 0.0, by_band: 0.0 }
+        } else {
+            let by_band = if by_band < 0.0 { sign * by_band } else { -1.0 };
+            Deforming { pressure_pa: pressure_pa - band_pa, sign, by_pressure: sign, by_band }
+        }
     }
 
     /// The deformation without pressure, in the SI unit of the quantity.
@@ -122,14 +147,15 @@ impl Body {
 
 impl Solver<'_> {
     /// The deformation at a reading of the sensor.
-    pub(super) fn at(&self, reading_pa: f64, quantity: StateQuantity) -> Result<Answer, NoAnswer> {
-        let (pressure_pa, sign) = self.body.mirrored(reading_pa);
-        let solution = self.actuator.forward(self.body.deforming_pa(pressure_pa), &Load::none())?;
+    pub(super) fn at(&self, reading_pa: f64, branch: Branch, quantity: StateQuantity) -> Result<Answer, NoAnswer> {
+        let deforming = self.body.deforming(reading_pa, branch);
+        let solution = self.actuator.forward(deforming.pressure_pa, &Load::none())?;
         if solution.status != Status::Solved {
             return Err(NoAnswer::BeyondLimit(solution.limit_pressure_pa));
         }
-        let value = sign * quantity.of(&solution.state);
-        Ok(Answer { value, quantity, state: solution.state, pressure_pa, sign })
+        let value = deforming.sign * quantity.of(&solution.state);
+        let pressure_pa = self.body.pressure_pa(reading_pa);
+        Ok(Answer { value, quantity, state: solution.state, pressure_pa, deforming, branch })
     }
 
     /// The derivative of an answer by a property.
@@ -138,18 +164,19 @@ impl Solver<'_> {
             let change = self.actuator.sensitivity(&answer.state, &Load::none(), parameter)?;
             Ok(answer.quantity.of(&change))
         };
-        // Two signs cancel in what the pressure does to a mirrored bend.
-        let is_unseated = (0.0..self.body.seating_pressure_pa).contains(&answer.pressure_pa);
-        let by_reading = |factor: f64| if is_unseated { Ok(0.0) } else { Ok(factor * by(Parameter::Pressure)?) };
+        let Deforming { sign, by_pressure, by_band, .. } = answer.deforming;
+        // Where nothing deforms there may be no derivative to ask for.
+        let by_deforming =
+            |factor: f64| if factor == 0.0 { Ok(0.0) } else { Ok(sign * factor * by(Parameter::Pressure)?) };
         match property {
-            Property::SeatingPressure if answer.pressure_pa < 0.0 => Ok(0.0),
-            Property::SeatingPressure => by_reading(-answer.sign),
-            Property::PressureOffset => by_reading(-1.0 / self.body.pressure_gain),
-            Property::PressureGain => by_reading(-answer.sign * answer.pressure_pa / self.body.pressure_gain),
+            Property::SeatingPressure => by_deforming(by_band),
+            Property::LoopWidth => by_deforming(0.5 * answer.branch.sign() * by_band),
+            Property::PressureOffset => by_deforming(-by_pressure / self.body.pressure_gain),
+            Property::PressureGain => by_deforming(-by_pressure * answer.pressure_pa / self.body.pressure_gain),
             _ => property
                 .inputs(self.body)
                 .into_iter()
-                .try_fold(0.0, |sum, (parameter, factor)| Ok(sum + answer.sign * factor * by(parameter)?)),
+                .try_fold(0.0, |sum, (parameter, factor)| Ok(sum + sign * factor * by(parameter)?)),
         }
     }
 }

@@ -6,9 +6,29 @@ use nalgebra::DVector;
 use super::descent::descend;
 use super::error::advice;
 use super::estimate::{Column, Estimate, Noise, enough, judge};
-use super::free::{Free, check};
+use super::free::{Free, check, check_branches};
 use super::problem::{Model, Problem};
 use super::{Body, BodyModel, CalibrationError, Property};
+
+/// Branch of a loop of pressure and deformation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Branch {
+    /// The pressure has risen to the reading.
+    #[default]
+    Loading,
+    /// The pressure has fallen to the reading.
+    Unloading,
+}
+
+impl Branch {
+    /// 1 on loading, -1 on unloading.
+    pub(super) fn sign(self) -> f64 {
+        match self {
+            Self::Loading => 1.0,
+            Self::Unloading => -1.0,
+        }
+    }
+}
 
 /// A pressure and the deformation it went with, at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +37,8 @@ pub struct Observation {
     pub body: usize,
     /// Reading of the pressure sensor, Pa gauge.
     pub reading_pa: f64,
+    /// The way to it.
+    pub branch: Branch,
     /// Measured quantity; any but the pressure.
     pub quantity: StateQuantity,
     /// Its value, in the SI unit of the quantity.
@@ -117,7 +139,7 @@ pub struct Fit {
 ///
 /// ```
 /// use fra_model::*;
-/// use softlimb_rig::calibrate::{Body, Observation, Property, Settings, Unknown, fit};
+/// use softlimb_rig::calibrate::{Body, Branch, Observation, Property, Settings, Unknown, fit};
 /// let finger = ActuatorParameters {
 ///     motion: Motion::Bending,
 ///     inner_radius_m: 6e-3,
@@ -130,6 +152,7 @@ pub struct Fit {
 /// let seen = [(10e3, 12.9_f64), (30e3, 43.0), (60e3, 101.8)].map(|(reading_pa, degrees)| Observation {
 ///     body: 0,
 ///     reading_pa,
+///     branch: Branch::Loading,
 ///     quantity: StateQuantity::BendAngle,
 ///     value: degrees.to_radians(),
 ///     accuracy: 0.005,
@@ -149,10 +172,11 @@ pub fn fit(
     settings: &Settings,
 ) -> Result<Fit, CalibrationError> {
     check(bodies, observations)?;
+    check_branches(bodies, observations, unknowns)?;
     let most_pa = observations.iter().map(|seen| seen.reading_pa.abs()).fold(0.0, f64::max);
     let readings_pa = |index: usize| {
         let own = observations.iter().filter(|seen| seen.body == index);
-        own.map(|seen| seen.reading_pa).collect()
+        own.map(|seen| (seen.reading_pa, seen.branch)).collect()
     };
     fit_settled(
         bodies,

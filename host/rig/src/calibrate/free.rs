@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 use super::body::{NoAnswer, Solver};
 use super::problem::{Measured, Model, Refused};
-use super::{Body, BodyModel, CalibrationError, Observation, Unknown, section};
+use super::{Body, BodyModel, Branch, CalibrationError, Observation, Property, Unknown, section};
 
 /// Step of an unknown for a derivative by finite elements, over the largest half width that is useful.
 const STEP: f64 = 1e-5;
@@ -66,10 +66,10 @@ impl Free<'_> {
     fn deformations(&self, index: usize, body: &Body, rows: &[usize]) -> Vec<Result<f64, NoAnswer>> {
         let seen = || rows.iter().map(|row| &self.observations[*row]);
         let all = if self.models[index].is_by_section() {
-            section::deformations(body, &seen().map(|seen| (seen.reading_pa, seen.quantity)).collect::<Vec<_>>())
+            section::deformations(body, &seen().collect::<Vec<_>>())
         } else {
             let value = |solver: &Solver<'_>, seen: &Observation| {
-                solver.at(seen.reading_pa, seen.quantity).map(|answer| answer.value)
+                solver.at(seen.reading_pa, seen.branch, seen.quantity).map(|answer| answer.value)
             };
             body.solver().map(|solver| seen().map(|seen| value(&solver, seen)).collect())
         };
@@ -93,7 +93,7 @@ impl Free<'_> {
         let solver = body.solver().map_err(|why| (*first, why))?;
         let of_row = |row: usize| {
             let seen = &self.observations[row];
-            let answer = solver.at(seen.reading_pa, seen.quantity)?;
+            let answer = solver.at(seen.reading_pa, seen.branch, seen.quantity)?;
             let slopes = own.iter().map(|(column, unknown)| Ok((*column, solver.slope(&answer, unknown.property)?)));
             Ok((row, answer.value, slopes.collect::<Result<_, NoAnswer>>()?))
         };
@@ -159,6 +159,27 @@ pub(super) fn refused(body: &Body, reading_pa: f64, why: NoAnswer) -> Calibratio
     }
 }
 
+/// Refuses a loop of which only one branch was measured: its width would be a dead band.
+pub(super) fn check_branches(
+    bodies: &[Body],
+    observations: &[Observation],
+    unknowns: &[Unknown],
+) -> Result<(), CalibrationError> {
+    for unknown in unknowns.iter().filter(|unknown| unknown.property == Property::LoopWidth) {
+        let own = || observations.iter().filter(|seen| unknown.bodies.contains(&seen.body));
+        let has = |branch| own().any(|seen| seen.branch == branch);
+        if !(has(Branch::Loading) && has(Branch::Unloading)) {
+            let body = unknown.bodies.first().and_then(|body| bodies.get(*body));
+            return Err(CalibrationError::NoSuchProperty {
+                body: body.map_or_else(String::new, |body| body.name.clone()),
+                property: unknown.property,
+                because: "its measurements are of one branch; give those of `loading` and `unloading`",
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Refuses bodies and observations that are none.
 pub(super) fn check(bodies: &[Body], observations: &[Observation]) -> Result<(), CalibrationError> {
     let invalid =
@@ -169,6 +190,9 @@ pub(super) fn check(bodies: &[Body], observations: &[Observation]) -> Result<(),
         }
         if !body.seating_pressure_pa.is_finite() {
             return invalid("seating_pressure_pa", body.seating_pressure_pa, body.name.clone(), "finite");
+        }
+        if !body.loop_width_pa.is_finite() {
+            return invalid("loop_width_pa", body.loop_width_pa, body.name.clone(), "finite");
         }
         if !body.pressure_offset_pa.is_finite() {
             return invalid("pressure_offset_pa", body.pressure_offset_pa, body.name.clone(), "finite");

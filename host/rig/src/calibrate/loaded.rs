@@ -16,7 +16,7 @@ use super::body::NoAnswer;
 use super::fit::{fit_model, fit_settled};
 use super::free::{check, refused};
 use super::problem::{Measured, Model, Refused};
-use super::{Body, BodyModel, CalibrationError, Fit, LimbHold, Observation, Property, Settings, Unknown};
+use super::{Body, BodyModel, Branch, CalibrationError, Fit, LimbHold, Observation, Property, Settings, Unknown};
 
 /// The finest tier of rods, which simulated runs have too.
 const TIER: Fidelity = Fidelity::Fourfold;
@@ -65,7 +65,10 @@ pub fn fit_loaded(
 ) -> Result<Fit, CalibrationError> {
     check(bodies, observations)?;
     let without = |property: &Property| {
-        matches!(property, Property::Length | Property::SeatingPressure | Property::PressureOffset)
+        matches!(
+            property,
+            Property::Length | Property::SeatingPressure | Property::LoopWidth | Property::PressureOffset
+        )
     };
     if let Some(property) = unknowns.iter().map(|unknown| unknown.property).find(without) {
         return Err(CalibrationError::NotUnderWeight { property });
@@ -74,7 +77,9 @@ pub fn fit_loaded(
     let most_pa = readings.map(|reading| reading.abs()).fold(0.0, f64::max);
     let readings_pa = |index: usize| {
         let channels = loaded.bodies.iter().enumerate().filter(move |(_, of)| **of == index);
-        channels.flat_map(|(channel, _)| loaded.holds.iter().map(move |hold| hold.readings_pa[channel])).collect()
+        let of_channel =
+            |channel: usize| loaded.holds.iter().map(move |hold| (hold.readings_pa[channel], Branch::Loading));
+        channels.flat_map(|(channel, _)| of_channel(channel)).collect()
     };
     let models = |bodies: &[Body]| BodyModel::of_all(bodies, unknowns, readings_pa);
     let laws = Laws { most_pa, known: RefCell::default() };

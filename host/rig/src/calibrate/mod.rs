@@ -30,7 +30,7 @@ pub use creep::{CreepFit, Step, fit_creep};
 pub use equalizing::equalizing;
 pub use error::CalibrationError;
 pub use estimate::{Estimate, Noise, Value};
-pub use fit::{Fit, Observation, Settings, Unknown, fit};
+pub use fit::{Branch, Fit, Observation, Settings, Unknown, fit};
 pub use holds::{Hold, LimbHold, holds, limb_holds};
 pub use loaded::{Loaded, fit_loaded};
 pub use model::{BodyModel, Reason};

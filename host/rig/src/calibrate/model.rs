@@ -5,7 +5,7 @@ use std::fmt;
 use fra_model::{Actuator, Load, Motion, Status};
 use softlimb_fea::cross_section::{BEND_TOLERANCE, analytic_bend_error, is_wound_bender};
 
-use super::{Body, Property, Unknown};
+use super::{Body, Branch, Property, Unknown};
 
 /// Model of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +38,11 @@ impl BodyModel {
     }
 
     /// The model of each body at its readings, Pa.
-    pub(super) fn of_all(bodies: &[Body], unknowns: &[Unknown], readings_pa: impl Fn(usize) -> Vec<f64>) -> Vec<Self> {
+    pub(super) fn of_all(
+        bodies: &[Body],
+        unknowns: &[Unknown],
+        readings_pa: impl Fn(usize) -> Vec<(f64, Branch)>,
+    ) -> Vec<Self> {
         let of = |(index, body): (usize, &Body)| {
             let fitted = unknowns.iter().filter(|unknown| unknown.bodies.contains(&index));
             Self::of(body, readings_pa(index).into_iter(), fitted.map(|unknown| unknown.property))
@@ -47,7 +51,11 @@ impl BodyModel {
     }
 
     /// The model of a body at readings, Pa, with the properties that are fitted.
-    fn of(body: &Body, readings_pa: impl Iterator<Item = f64>, mut fitted: impl Iterator<Item = Property>) -> Self {
+    fn of(
+        body: &Body,
+        readings_pa: impl Iterator<Item = (f64, Branch)>,
+        mut fitted: impl Iterator<Item = Property>,
+    ) -> Self {
         let parameters = &body.parameters;
         if parameters.motion != Motion::Bending {
             return Self::Tube;
@@ -76,11 +84,10 @@ impl BodyModel {
 
 impl Body {
     /// The largest error that the analytic bend states at readings, Pa; `None` where it states none at one of them.
-    fn largest_error(&self, readings_pa: impl Iterator<Item = f64>) -> Option<f64> {
+    fn largest_error(&self, readings_pa: impl Iterator<Item = (f64, Branch)>) -> Option<f64> {
         let actuator = Actuator::new(&self.parameters).ok()?;
-        let of_reading = |reading_pa: f64| {
-            let (pressure_pa, _) = self.mirrored(reading_pa);
-            let solution = actuator.forward(self.deforming_pa(pressure_pa), &Load::none()).ok()?;
+        let of_reading = |(reading_pa, branch): (f64, Branch)| {
+            let solution = actuator.forward(self.deforming(reading_pa, branch).pressure_pa, &Load::none()).ok()?;
             let solved = solution.status == Status::Solved;
             solved.then(|| analytic_bend_error(&self.parameters, &solution.state)).flatten()
         };

@@ -1,6 +1,6 @@
 //! Measurements, what the model says before and after, and what is left.
 
-use super::{Fit, Observation, RangeFit, Tension, TensionFit};
+use super::{Branch, Fit, Observation, RangeFit, Tension, TensionFit};
 use fra_model::StateQuantity;
 use softlimb_chart::{Axis, Chart, Color, Series, Stroke, Ticks, sheet, span};
 
@@ -34,7 +34,10 @@ fn row(fit: &Fit, observations: &[Observation], quantity: StateQuantity) -> Vec<
         if of.is_empty() {
             continue;
         }
-        of.sort_by(|a, b| observations[*a].reading_pa.total_cmp(&observations[*b].reading_pa));
+        // Up the branch of loading and down that of unloading.
+        let along = |k: usize| observations[k].branch.sign() * observations[k].reading_pa;
+        let is_back = |k: usize| observations[k].branch == Branch::Unloading;
+        of.sort_by(|a, b| is_back(*a).cmp(&is_back(*b)).then(along(*a).total_cmp(&along(*b))));
         let points = |value: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
             of.iter().map(|k| [observations[*k].reading_pa * 1e-3, scale * value(*k)]).collect()
         };

@@ -1,5 +1,6 @@
 //! Tables of pressures and deformations.
 
+use super::Branch;
 use fra_model::StateQuantity;
 use softlimb_files::table::{Known, Table, TableError};
 
@@ -14,6 +15,8 @@ pub struct Point {
     pub specimen: Option<String>,
     /// Reading of the pressure sensor, Pa gauge.
     pub reading_pa: f64,
+    /// The way to it.
+    pub branch: Branch,
     /// Measured quantity.
     pub quantity: StateQuantity,
     /// Its value, in the SI unit of the quantity.
@@ -67,19 +70,23 @@ const COLUMNS: [Known<Kind>; 12] = [
 /// Accepted headings of the column of names.
 const NAMES: [&str; 2] = ["module", "actuator"];
 
+/// Column of the branches of a loop.
+const BRANCH: &str = "branch";
+
 /// Column of the names of specimens.
 const SPECIMEN: &str = "specimen";
 
 impl Points {
     /// Reads a table: a column `module` or `actuator`, one of pressure, at least one of a deformation, `specimen` if it
-    /// has several, and `time_s` if it is a response to a step. `known` are the names that may be used; a table without names is about the only one of them.
+    /// has several, `branch` if it has both of a loop, and `time_s` if it is a response to a step. `known` are the names that may be used; a table without names is about the only one of them.
     ///
     /// # Errors
     /// [`TableError`] with line, column, value and what is accepted.
     pub fn read(text: &str, known: &[&str]) -> Result<Self, TableError> {
         let table = Table::cut(text)?;
-        table.only(&COLUMNS, &[NAMES[0], NAMES[1], SPECIMEN])?;
+        table.only(&COLUMNS, &[NAMES[0], NAMES[1], SPECIMEN, BRANCH])?;
         let specimen = table.place(SPECIMEN);
+        let branches = table.place(BRANCH);
         let there = table.columns(&COLUMNS);
         let of = |kind: Kind| there.iter().copied().filter(move |(_, column)| column.kind == kind).collect::<Vec<_>>();
         let [pressure] = of(Kind::Pressure)[..] else {
@@ -114,6 +121,11 @@ impl Points {
                 Some((place, "")) => return Err(row.refused(place, SPECIMEN, "a name".into())),
                 named => named.map(|(_, name)| name.to_owned()),
             };
+            let branch = match branches.map(|place| (place, row.text(place))) {
+                None | Some((_, "loading")) => Branch::Loading,
+                Some((_, "unloading")) => Branch::Unloading,
+                Some((place, _)) => return Err(row.refused(place, BRANCH, "loading or unloading".into())),
+            };
             let reading_pa = required(pressure)?;
             let time_s = time.map(required).transpose()?;
             for (place, column) in &deformations {
@@ -121,7 +133,8 @@ impl Points {
                     continue;
                 };
                 let specimen = specimen.clone();
-                points.push(Point { line: row.line, name: name.into(), specimen, reading_pa, quantity, value, time_s });
+                let (line, name) = (row.line, name.into());
+                points.push(Point { line, name, specimen, reading_pa, branch, quantity, value, time_s });
             }
         }
         Ok(Self { points, timed: time.is_some() })

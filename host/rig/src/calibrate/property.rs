@@ -34,6 +34,8 @@ pub enum Property {
     Length,
     /// Pressure that seats wall and thread before they deform, Pa: a dead band.
     SeatingPressure,
+    /// Pressure on loading less that on unloading at one deformation, Pa: the width of a loop of friction.
+    LoopWidth,
     /// Reading of the pressure sensor at no pressure, Pa.
     PressureOffset,
     /// Change of the reading of the pressure sensor by 1 Pa more.
@@ -42,7 +44,7 @@ pub enum Property {
 
 impl Property {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::ShearModulus,
         Self::YeohC1,
         Self::YeohC2,
@@ -55,6 +57,7 @@ impl Property {
         Self::InnerRadius,
         Self::Length,
         Self::SeatingPressure,
+        Self::LoopWidth,
         Self::PressureOffset,
         Self::PressureGain,
     ];
@@ -74,6 +77,7 @@ impl Property {
             Self::InnerRadius => "inner_radius",
             Self::Length => "length",
             Self::SeatingPressure => "seating_pressure",
+            Self::LoopWidth => "loop_width",
             Self::PressureOffset => "pressure_offset",
             Self::PressureGain => "pressure_gain",
         }
@@ -128,6 +132,7 @@ impl Property {
             (Self::InnerRadius, _) => Some(p.inner_radius_m),
             (Self::Length, _) => Some(p.length_m),
             (Self::SeatingPressure, _) => Some(body.seating_pressure_pa),
+            (Self::LoopWidth, _) => Some(body.loop_width_pa),
             (Self::PressureOffset, _) => Some(body.pressure_offset_pa),
             (Self::PressureGain, _) => Some(body.pressure_gain),
         }
@@ -164,6 +169,7 @@ impl Property {
             Self::InnerRadius => p.inner_radius_m = value,
             Self::Length => p.length_m = value,
             Self::SeatingPressure => body.seating_pressure_pa = value,
+            Self::LoopWidth => body.loop_width_pa = value,
             Self::PressureOffset => body.pressure_offset_pa = value,
             Self::PressureGain => body.pressure_gain = value,
         }
@@ -199,7 +205,7 @@ impl Property {
             }
             (Self::InnerRadius, _) => vec![(Parameter::InnerRadius, 1.0)],
             (Self::Length, _) => vec![(Parameter::Length, 1.0)],
-            (Self::SeatingPressure | Self::PressureOffset | Self::PressureGain, _) => Vec::new(),
+            (Self::SeatingPressure | Self::LoopWidth | Self::PressureOffset | Self::PressureGain, _) => Vec::new(),
         }
     }
 
@@ -207,7 +213,9 @@ impl Property {
     pub(super) fn shown(self) -> Shown {
         match self {
             Self::FiberAngle | Self::SecondFiberAngle => Shown::Degrees,
-            Self::SeatingPressure | Self::PressureOffset | Self::YeohC2 | Self::YeohC3 => Shown::Kilopascals,
+            Self::SeatingPressure | Self::LoopWidth | Self::PressureOffset | Self::YeohC2 | Self::YeohC3 => {
+                Shown::Kilopascals
+            }
             _ => Shown::Percent,
         }
     }
@@ -221,7 +229,7 @@ impl Property {
             Self::YeohC2 => value.max(0.1 * c1),
             Self::YeohC3 => value.max(0.01 * c1),
             Self::FiberAngle | Self::SecondFiberAngle => 0.1,
-            Self::SeatingPressure | Self::PressureOffset => 0.1 * largest_pressure_pa,
+            Self::SeatingPressure | Self::LoopWidth | Self::PressureOffset => 0.1 * largest_pressure_pa,
             Self::PressureGain => 0.25,
             Self::Wall | Self::InnerRadius | Self::Length => 0.25 * value,
             Self::ShearModulus | Self::YeohC1 | Self::FiberModulus | Self::SecondFiberModulus => 0.5 * value,

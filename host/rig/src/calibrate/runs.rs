@@ -1,13 +1,17 @@
 //! Whether residuals look like noise or like a model that does not hold.
 
+use softlimb_numerics::statistics::student_quantile;
+
 use super::{Fit, Observation};
 
 /// Fewer points than this have no order that could be judged.
 const LEAST: usize = 12;
 /// The quantile of the normal distribution below which an order is no accident: once in 200.
 const UNLIKELY: f64 = -2.576;
-/// Residuals beyond this many standard deviations stand out.
-const FAR: f64 = 4.0;
+/// Probability that data without an outlier have an observation that is named as one.
+const FALSE_ALARM: f64 = 0.01;
+/// Fewer points less unknowns do not show the scatter of the others.
+const FREEDOM_LEAST: usize = 3;
 
 impl Fit {
     /// The bodies whose residuals of some quantity, in the order of the pressures, change their sign too seldom for noise (the runs test of Wald and
@@ -32,13 +36,22 @@ impl Fit {
         found
     }
 
-    /// The observations whose residuals are beyond four times the scatter of all, where there are enough to say so.
-    pub fn outliers(&self, observations: &[Observation]) -> Vec<usize> {
-        let beyond = |k: &usize| {
-            let seen = &observations[*k];
-            (self.after[*k] - seen.value).abs() > FAR * self.scatter * seen.accuracy
+    /// The observations that do not fit: farther from the model than their accuracy, and than Student's distribution allows beside the scatter
+    /// of the others. Each with its residual over that scatter.
+    pub fn outliers(&self, observations: &[Observation]) -> Vec<(usize, f64)> {
+        let count = observations.len() as f64;
+        if self.freedom < FREEDOM_LEAST {
+            return Vec::new();
+        }
+        let most = student_quantile(1.0 - FALSE_ALARM / count, self.freedom - 1);
+        let all = self.freedom as f64 * self.scatter.powi(2);
+        let ratio = |(k, seen): (usize, &Observation)| {
+            let residual = ((self.after[k] - seen.value) / seen.accuracy).abs();
+            // The scatter of all would hide one that is far off: of few points it is never beyond four times of that.
+            let others = ((all - residual * residual).max(0.0) / (self.freedom - 1) as f64).sqrt();
+            (residual > 1.0 && residual > most * others).then(|| (k, residual / others))
         };
-        if self.freedom < LEAST { Vec::new() } else { (0..observations.len()).filter(beyond).collect() }
+        observations.iter().enumerate().filter_map(ratio).collect()
     }
 }
 

@@ -3,8 +3,8 @@
 use fra_model::{InvalidParameter, State, StateQuantity};
 use softlimb_fea::cross_section::{EndLoad, Options, Outcome, Section, SectionError};
 
-use super::Body;
-use super::body::NoAnswer;
+use super::body::{Deforming, NoAnswer};
+use super::{Body, Observation};
 
 /// Most readings that are solved one by one. More are interpolated between solutions along a curve.
 const ONE_BY_ONE: usize = 24;
@@ -24,21 +24,21 @@ impl From<SectionError> for NoAnswer {
     }
 }
 
-/// The deformation of a body at each reading, Pa, and quantity.
-pub(super) fn deformations(body: &Body, seen: &[(f64, StateQuantity)]) -> Result<Vec<Result<f64, NoAnswer>>, NoAnswer> {
+/// The deformation of a body in each observation.
+pub(super) fn deformations(body: &Body, seen: &[&Observation]) -> Result<Vec<Result<f64, NoAnswer>>, NoAnswer> {
     let options = Options::default();
     let section = match &body.second_fiber {
         None => Section::new(&body.parameters, &options),
         Some(second) => Section::with_two_windings(&body.parameters, second, &options),
     }?;
-    let mirrored: Vec<(f64, f64)> = seen.iter().map(|(reading_pa, _)| body.mirrored(*reading_pa)).collect();
-    let pressures_pa: Vec<f64> = mirrored.iter().map(|(pressure_pa, _)| body.deforming_pa(*pressure_pa)).collect();
+    let deforming: Vec<Deforming> = seen.iter().map(|seen| body.deforming(seen.reading_pa, seen.branch)).collect();
+    let pressures_pa: Vec<f64> = deforming.iter().map(|deforming| deforming.pressure_pa).collect();
     let states = states(&section, body.parameters.length_m, &pressures_pa)?;
-    let signed = mirrored.iter().zip(seen).map(|((_, sign), (_, quantity))| (*sign, *quantity));
-    let of = |state: Result<State<f64>, NoAnswer>, (sign, quantity): (f64, StateQuantity)| {
-        state.map(|state| sign * quantity.of(&state))
+    let signed = deforming.iter().zip(seen).map(|(deforming, seen)| (deforming.sign, seen.quantity));
+    let of = |(state, (sign, quantity)): (Result<State<f64>, NoAnswer>, _)| {
+        state.map(|state| sign * StateQuantity::of(quantity, &state))
     };
-    Ok(states.into_iter().zip(signed).map(|(state, signed)| of(state, signed)).collect())
+    Ok(states.into_iter().zip(signed).map(of).collect())
 }
 
 /// The states at gauge pressures, Pa.

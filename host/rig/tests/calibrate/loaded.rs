@@ -7,7 +7,8 @@ use nalgebra::Vector3;
 use softlimb_limb::Limb;
 use softlimb_motion::carried;
 use softlimb_rig::calibrate::{
-    Body, CalibrationError, Fit, LimbHold, Loaded, Observation, Property, Settings, Unknown, fit_loaded, limb_holds,
+    Body, Branch, CalibrationError, Fit, LimbHold, Loaded, Observation, Property, Settings, Unknown, fit_loaded,
+    limb_holds,
 };
 use softlimb_rig::record::RunLog;
 use softlimb_rig::run::{Mcu, RunOptions};
@@ -87,6 +88,7 @@ fn fitted(
         Observation {
             body: of_channel[drive.channels.start],
             reading_pa: hold.reading_pa(&drive.channels),
+            branch: Branch::Loading,
             quantity: drive.kind,
             value: hold.values[index].unwrap(),
             accuracy: 1e-3,

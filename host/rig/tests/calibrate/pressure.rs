@@ -1,7 +1,9 @@
 //! Parameters from pressure and deformation: exact data give exact parameters, noisy ones honest intervals.
 
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, StateQuantity};
-use softlimb_rig::calibrate::{Body, BodyModel, Noise as Errors, Observation, Property, Settings, Unknown, fit};
+use softlimb_rig::calibrate::{
+    Body, BodyModel, Branch, Noise as Errors, Observation, Property, Settings, Unknown, fit,
+};
 
 use crate::calibrate::noise::{Noise, is_binomial};
 use crate::calibrate::tube::{Tube, grid};
@@ -63,6 +65,7 @@ fn exact_bends_give_modulus_and_fiber_angle() {
         let at = |kilopascals: f64| Observation {
             body: 0,
             reading_pa: 1e3 * kilopascals,
+            branch: Branch::Loading,
             quantity: StateQuantity::BendAngle,
             value: actuator.forward(1e3 * kilopascals, &Load::none()).unwrap().state.bend_angle_rad,
             accuracy: EXACT,
@@ -87,6 +90,7 @@ fn exact_bends_give_modulus_and_fiber_angle() {
     let seen = [1.0, 2.0].map(|value| Observation {
         body: 0,
         reading_pa: 5e3 * value,
+        branch: Branch::Loading,
         quantity: StateQuantity::BendAngle,
         value,
         accuracy: 1e-2,
@@ -119,6 +123,7 @@ fn exact_twists_of_two_windings_give_modulus_seating_pressure_and_radius() {
     let seen = |(kilopascals, quantity): (f64, StateQuantity)| Observation {
         body: 0,
         reading_pa: 1e3 * kilopascals + 2e3,
+        branch: Branch::Loading,
         quantity,
         value: quantity.of(&actuator.forward(1e3 * kilopascals, &Load::none()).unwrap().state),
         accuracy: EXACT,
@@ -145,6 +150,7 @@ fn exact_twists_of_two_windings_give_modulus_seating_pressure_and_radius() {
         .map(|(kilopascals, off)| Observation {
             body: 0,
             reading_pa: 1e3 * kilopascals,
+            branch: Branch::Loading,
             quantity: StateQuantity::Twist,
             value: (1.0 + off) * alone.forward(800.0 * kilopascals, &Load::none()).unwrap().state.twist_rad,
             accuracy: 1e-3,
@@ -254,6 +260,7 @@ fn the_tabulated_bends_have_the_modulus_they_were_computed_with() {
         let seen = |(reading_pa, degrees): &(f64, f64)| Observation {
             body: 0,
             reading_pa: *reading_pa,
+            branch: Branch::Loading,
             quantity: StateQuantity::BendAngle,
             value: degrees.to_radians(),
             accuracy: 0.02,
@@ -280,6 +287,7 @@ fn noise_around_no_pressure_does_not_bias_the_offset_of_a_bend() {
     let data = points.map(|(reading_pa, degrees): (f64, f64)| Observation {
         body: 0,
         reading_pa,
+        branch: Branch::Loading,
         quantity: StateQuantity::BendAngle,
         value: degrees.to_radians(),
         accuracy: 1e-3,
@@ -390,6 +398,7 @@ fn exact_data_give_the_properties_of_two_windings() {
     let seen = |(kilopascals, quantity): (f64, StateQuantity)| Observation {
         body: 0,
         reading_pa: 1e3 * kilopascals,
+        branch: Branch::Loading,
         quantity,
         value: quantity.of(&actuator.forward(1e3 * kilopascals, &Load::none()).unwrap().state),
         accuracy: EXACT,

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement, StateQuantity};
-use softlimb_rig::calibrate::{Body, Observation};
+use softlimb_rig::calibrate::{Body, Branch, Observation};
 
 /// Wall and winding.
 #[derive(Clone, Copy)]
@@ -137,8 +137,14 @@ impl Tube {
     /// The same of any equilibria.
     pub(crate) fn seen(&self, body: usize, held: impl Iterator<Item = Held>, accuracy: f64) -> Vec<Observation> {
         let both = |held: Held| {
-            let seen =
-                |quantity, value, accuracy| Observation { body, reading_pa: held.pressure, quantity, value, accuracy };
+            let seen = |quantity, value, accuracy| Observation {
+                body,
+                reading_pa: held.pressure,
+                branch: Branch::Loading,
+                quantity,
+                value,
+                accuracy,
+            };
             [
                 seen(StateQuantity::AxialStretch, held.stretch, accuracy),
                 seen(StateQuantity::OuterRadius, held.outer, accuracy * self.outer),

@@ -2,7 +2,7 @@
 
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, StateQuantity};
 use softlimb_fea::cross_section::{BEND_TOLERANCE, EndLoad, Options, Section, analytic_bend_error};
-use softlimb_rig::calibrate::{Body, BodyModel, Noise, Observation, Property, Reason, Settings, Unknown, fit};
+use softlimb_rig::calibrate::{Body, BodyModel, Branch, Noise, Observation, Property, Reason, Settings, Unknown, fit};
 
 /// An accuracy that no instrument has, for data without noise.
 const EXACT: f64 = 1e-9;
@@ -31,7 +31,7 @@ fn bender(shear_modulus_pa: f64, fiber: Fiber<f64>) -> ActuatorParameters<f64> {
 }
 
 fn seen(reading_pa: f64, quantity: StateQuantity, value: f64) -> Observation {
-    Observation { body: 0, reading_pa, quantity, value, accuracy: EXACT }
+    Observation { body: 0, reading_pa, branch: Branch::Loading, quantity, value, accuracy: EXACT }
 }
 
 /// What finite elements make of an actuator at gauge pressures, kPa, read by a sensor without errors.

@@ -11,7 +11,9 @@ use super::super::{Failure, Outcome};
 use super::print::{printed, table};
 use super::specimens::{self, Specimen};
 use super::{Files, Fitted, Fitting, Per, Unknowns};
-use softlimb_rig::calibrate::{Body, Fit, Loaded, Observation, Points, Property, Unknown, fit, fit_loaded, picture};
+use softlimb_rig::calibrate::{
+    Body, Branch, Fit, Loaded, Observation, Points, Property, Unknown, fit, fit_loaded, picture,
+};
 use softlimb_scene as scene;
 use softlimb_scene::{Scene, WoundActuator};
 
@@ -81,10 +83,11 @@ impl<'a> Source<'a> {
     }
 }
 
-/// A measurement before its accuracy is known: module, reading, quantity, value, and where it is from.
+/// A measurement before its accuracy is known: module, reading, branch, quantity, value, and where it is from.
 pub(super) struct Seen {
     pub(super) module: usize,
     pub(super) reading_pa: f64,
+    pub(super) branch: Branch,
     pub(super) quantity: StateQuantity,
     pub(super) value: f64,
     pub(super) from: String,
@@ -106,6 +109,7 @@ impl Pressure {
             let seen = Seen {
                 module: names.iter().position(|name| *name == point.name).unwrap_or(0),
                 reading_pa: point.reading_pa,
+                branch: point.branch,
                 quantity: point.quantity,
                 value: point.value,
                 from: format!("line {}", point.line),
@@ -141,7 +145,7 @@ fn distinct(seen: Vec<Seen>) -> (Vec<Seen>, Vec<String>) {
     let mut kept: Vec<(Seen, usize)> = Vec::new();
     for new in seen {
         let is_same = |old: &Seen| {
-            (old.module, old.quantity) == (new.module, new.quantity)
+            (old.module, old.branch, old.quantity) == (new.module, new.branch, new.quantity)
                 && (old.reading_pa, old.value) == (new.reading_pa, new.value)
         };
         match kept.iter_mut().find(|(old, _)| is_same(old)) {
@@ -161,8 +165,12 @@ fn distinct(seen: Vec<Seen>) -> (Vec<Seen>, Vec<String>) {
 impl Unknowns {
     /// Whether a scene has a place for one of the unknowns.
     pub(super) fn written(&self) -> bool {
-        let has_none =
-            |p: &Property| matches!(p, Property::SeatingPressure | Property::PressureOffset | Property::PressureGain);
+        let has_none = |p: &Property| {
+            matches!(
+                p,
+                Property::SeatingPressure | Property::LoopWidth | Property::PressureOffset | Property::PressureGain
+            )
+        };
         !self.fit.iter().all(has_none)
     }
 
@@ -189,8 +197,9 @@ impl Unknowns {
                 let name = &bodies[body].name;
                 format!("the residuals of {name} are not random: the model does not follow these data, and the intervals are too narrow")
             }));
-        warnings.extend(fit.outliers(&observations).into_iter().map(|k| {
-            format!("{} stands out: {} is beyond four times the scatter of all", seen[k].from, observations[k].value)
+        warnings.extend(fit.outliers(&observations).into_iter().map(|(k, ratio)| {
+            let (from, value) = (&seen[k].from, observations[k].value);
+            format!("{from} does not fit: {value} is {ratio:.1} times the scatter of the others off the model")
         }));
         let measured = source.modules.iter().zip(&fit.models);
         let measured = measured.filter(|(module, _)| seen.iter().any(|of| of.module == **module));
@@ -265,6 +274,7 @@ fn observations(source: &Source<'_>, accuracy: f64) -> Vec<Observation> {
     let observation = |of: &Seen| Observation {
         body: body(of),
         reading_pa: of.reading_pa,
+        branch: of.branch,
         quantity: of.quantity,
         value: of.value,
         accuracy: accuracy * size(of),

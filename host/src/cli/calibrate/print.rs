@@ -6,7 +6,7 @@ use fra_model::StateQuantity;
 use serde::Serialize;
 
 use super::pressure::Source;
-use softlimb_rig::calibrate::{Body, BodyModel, Fit, LimbHold, Loaded, Observation, Property, Reason};
+use softlimb_rig::calibrate::{Body, BodyModel, Branch, Fit, LimbHold, Loaded, Observation, Property, Reason};
 
 /// A value in the unit that people read it in.
 pub(super) fn shown(property: Property, value: f64) -> (f64, &'static str) {
@@ -14,7 +14,7 @@ pub(super) fn shown(property: Property, value: f64) -> (f64, &'static str) {
         Property::FiberAngle | Property::SecondFiberAngle => (value.to_degrees(), "deg"),
         Property::Wall | Property::InnerRadius | Property::Length => (value * 1e3, "mm"),
         Property::PressureGain => (value, ""),
-        Property::SeatingPressure | Property::PressureOffset => (value, "Pa"),
+        Property::SeatingPressure | Property::LoopWidth | Property::PressureOffset => (value, "Pa"),
         _ => (value * 1e-6, "MPa"),
     }
 }
@@ -180,6 +180,7 @@ struct PrintedPoint {
     module: String,
     from: String,
     pressure_pa: f64,
+    branch: &'static str,
     quantity: &'static str,
     measured: f64,
     before: Option<f64>,
@@ -200,6 +201,7 @@ pub(super) fn printed(fit: &Fit, observations: &[Observation], source: &Source<'
         module: source.scene.modules()[seen.module].name.value.clone(),
         from: seen.from.clone(),
         pressure_pa: observation.reading_pa,
+        branch: if observation.branch == Branch::Loading { "loading" } else { "unloading" },
         quantity: observation.quantity.name(),
         measured: observation.value,
         before: fit.before[k],

@@ -11,7 +11,7 @@ use super::{Files, Fitting, Per, Unknowns};
 use fra_model::{Actuator, Motion};
 use softlimb_limb::Limb;
 use softlimb_motion::carried;
-use softlimb_rig::calibrate::{Body, LimbHold, Loaded, equalizing, holds, limb_holds};
+use softlimb_rig::calibrate::{Body, Branch, LimbHold, Loaded, equalizing, holds, limb_holds};
 use softlimb_rig::record;
 use softlimb_rig::record::RunLog;
 use softlimb_scene as scene;
@@ -73,7 +73,7 @@ impl Run {
         }
         let seen = without_load(&limb, &log);
         if seen.is_empty() {
-            return Err(about(&NOTHING_SEEN));
+            return Err(self.nothing_seen(&damaged));
         }
         if self.per_actuator() || self.corrections.is_some() {
             return Err(Failure::wrong_line(UNEQUAL_ONLY_UNDER_WEIGHT));
@@ -81,6 +81,14 @@ impl Run {
         let mut source = Source::of_modules(&scene, seen, None);
         source.warnings = damaged;
         Ok(self.unknowns.fit(&source, &self.log, (&self.fitting, &self.files))?.1)
+    }
+
+    /// The error of a log without a hold that counts, with the damage that may be the cause.
+    fn nothing_seen(&self, damaged: &[String]) -> Failure {
+        match damaged.first() {
+            None => about(&self.log)(&NOTHING_SEEN),
+            Some(why) => Failure::new(format!("{why}; none has a deformation and a pressure that stands still")),
+        }
     }
 
     fn per_actuator(&self) -> bool {
@@ -102,11 +110,18 @@ impl Run {
             let (hold, drive) = (&holds[hold], limb.drive(index));
             let reading_pa = hold.reading_pa(&drive.channels);
             let value = hold.values[index]?;
-            Some(Seen { module: drive.index, reading_pa, quantity: drive.kind, value, from: from(&hold.phase) })
+            Some(Seen {
+                module: drive.index,
+                reading_pa,
+                branch: Branch::Loading,
+                quantity: drive.kind,
+                value,
+                from: from(&hold.phase),
+            })
         };
         let seen: Vec<Seen> = loaded.seen().into_iter().filter_map(seen).collect();
         if seen.is_empty() {
-            return Err(about(&self.log)(&NOTHING_SEEN));
+            return Err(self.nothing_seen(&warnings));
         }
         let source = Source { scene, bodies, modules, seen, warnings, loaded: Some(&loaded) };
         let (fit, outcome) = self.unknowns.fit(&source, &self.log, (&self.fitting, &self.files))?;
@@ -152,6 +167,7 @@ fn without_load(limb: &Limb, log: &RunLog) -> Vec<Seen> {
     let seen = holds(log).into_iter().map(|hold| Seen {
         module: limb.drive(hold.module).index,
         reading_pa: hold.reading_pa,
+        branch: Branch::Loading,
         quantity: hold.quantity,
         value: hold.value,
         from: from(&hold.phase),

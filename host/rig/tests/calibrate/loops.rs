@@ -1,0 +1,105 @@
+//! Loops of pressure and deformation, and measurements that do not fit.
+
+use fra_model::StateQuantity;
+use softlimb_rig::calibrate::{Branch, Observation, Property, Settings, Unknown, fit};
+
+use crate::calibrate::noise::{Noise, is_binomial};
+use crate::calibrate::tube::{Tube, grid};
+use crate::samples::samples;
+
+fn all_of(properties: &[Property]) -> Vec<Unknown> {
+    properties.iter().map(|property| Unknown::of(*property, 0)).collect()
+}
+
+/// A tube whose readings do not depend on the stiffness of its thread.
+fn hoop_wound() -> Tube {
+    Tube { angle: 0.05, fiber_modulus: 40e6, ..Tube::soft() }
+}
+
+/// Stretches of a tube on both branches of a loop about the pressures of equilibrium.
+fn looped(seating_pa: f64, width_pa: f64, accuracy: f64) -> Vec<Observation> {
+    let held = hoop_wound().observed(0, &grid(1.03, 1.3, 7), accuracy);
+    let stretches = held.into_iter().filter(|seen| seen.quantity == StateQuantity::AxialStretch);
+    let both = stretches.flat_map(|seen| {
+        [(Branch::Loading, 0.5), (Branch::Unloading, -0.5)].map(|(branch, side)| Observation {
+            reading_pa: seen.reading_pa + seating_pa + side * width_pa,
+            branch,
+            ..seen
+        })
+    });
+    both.collect()
+}
+
+/// A loop wider than twice the dead band leaves a deformation at no pressure.
+#[test]
+fn width_of_a_loop_is_found_beside_modulus_and_seating_pressure() {
+    for (seating_pa, width_pa) in [(4e3, 3e3), (1e3, 5e3)] {
+        let data = looped(seating_pa, width_pa, 1e-9);
+        let start = Tube { c: [1.2e5, 0.0, 0.0], ..hoop_wound() };
+        let sought = [Property::ShearModulus, Property::SeatingPressure, Property::LoopWidth];
+        let found = fit(&[start.body("tube")], &data, &all_of(&sought), &Settings::default()).unwrap();
+        for (estimate, truth) in found.estimates.iter().zip([2e5, seating_pa, width_pa]) {
+            println!("{}: {} beside {truth}", estimate.name, estimate.value);
+            assert!((estimate.value / truth - 1.0).abs() < 1e-6, "{}: {}", estimate.name, estimate.value);
+        }
+        assert!(found.outliers(&data).is_empty());
+    }
+}
+
+#[test]
+fn width_of_a_loop_needs_both_branches() {
+    let data: Vec<_> = looped(0.0, 3e3, 2e-3).into_iter().filter(|seen| seen.branch == Branch::Loading).collect();
+    let sought = all_of(&[Property::ShearModulus, Property::LoopWidth]);
+    let refused = fit(&[hoop_wound().body("tube")], &data, &sought, &Settings::default()).unwrap_err().to_string();
+    assert!(refused.contains("tube has no loop_width") && refused.contains("of one branch"), "{refused}");
+}
+
+/// Number of noisy sets of a statistic.
+fn sets() -> usize {
+    samples(400) as usize
+}
+
+/// The measurements with noise of the same size for all.
+fn noisy(clean: &[Observation], seed: u64) -> Vec<Observation> {
+    let mut noise = Noise::seeded(seed);
+    clean.iter().map(|seen| Observation { value: seen.value + 2e-3 * noise.normal(), ..*seen }).collect()
+}
+
+#[test]
+fn intervals_of_the_width_of_a_loop_hold_the_truth_as_often_as_they_say() {
+    let clean = looped(0.0, 3e3, 2e-3);
+    let start = Tube { c: [1.1e5, 0.0, 0.0], ..hoop_wound() };
+    let sought = [(Property::ShearModulus, 2e5), (Property::LoopWidth, 3e3)];
+    let unknowns = all_of(&sought.map(|(property, _)| property));
+    let mut counts = [0; 2];
+    for seed in 0..sets() as u64 {
+        let found = fit(&[start.body("tube")], &noisy(&clean, seed), &unknowns, &Settings::default()).unwrap();
+        for (count, (estimate, (_, truth))) in counts.iter_mut().zip(found.estimates.iter().zip(sought)) {
+            let [low, high] = estimate.interval;
+            *count += usize::from((low..=high).contains(&truth));
+        }
+    }
+    println!("of {} sets the 95 % intervals hold the truth: modulus {}, loop width {}", sets(), counts[0], counts[1]);
+    assert!(counts.iter().all(|count| is_binomial(*count, sets(), 0.95)), "{counts:?}");
+}
+
+/// Of eight measurements none can be beyond four times the scatter of all eight.
+#[test]
+fn measurement_that_does_not_fit_is_named_and_noise_is_not() {
+    let stretch = |seen: &Observation| seen.quantity == StateQuantity::AxialStretch;
+    let clean: Vec<_> = hoop_wound().observed(0, &grid(1.03, 1.3, 8), 5e-4).into_iter().filter(stretch).collect();
+    let unknowns = all_of(&[Property::ShearModulus]);
+    let named = |data: &[Observation]| {
+        let found = fit(&[hoop_wound().body("tube")], data, &unknowns, &Settings::default()).unwrap();
+        found.outliers(data).into_iter().map(|(index, _)| index).collect::<Vec<_>>()
+    };
+    let mut alarms = 0;
+    for seed in 0..sets() as u64 {
+        let mut data = noisy(&clean, seed);
+        alarms += usize::from(!named(&data).is_empty());
+        data[3].value += 0.05;
+        assert_eq!(named(&data), [3], "seed {seed}");
+    }
+    println!("{alarms} of {} sets of noise alone have a measurement that does not fit", sets());
+    assert!(alarms * 40 <= sets(), "{alarms}");
+}
