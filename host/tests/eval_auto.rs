@@ -56,7 +56,32 @@ fn analytic_model_answers_within_the_tolerance_and_finite_elements_beyond() {
     let mut bare = wound(3.0);
     bare.as_object_mut().unwrap().remove("fiber");
     assert!(ask(&bare).get("model").is_none());
-    assert!(ask(&with(wound(20.0), "model", json!("analytic"))).get("errors").is_none());
+    let stated = with(wound(20.0), "model", json!("analytic"));
+    assert!(ask(&with(stated, "errors", json!(false))).get("errors").is_none());
+}
+
+/// Without a word about errors, too; by the model that answered, between the ends of a secant over the same error.
+#[test]
+fn wound_benders_state_what_two_degrees_of_winding_do() {
+    for (line, model) in [
+        (wound(20.0), "section-fe"),
+        (with(wound(20.0), "tolerance", json!(0.5)), "analytic"),
+        (with(wound(20.0), "model", json!("analytic")), "analytic"),
+        (with(wound(20.0), "model", json!("section-fe")), "section-fe"),
+    ] {
+        let answer = ask(&line);
+        assert_eq!(answer["model"], model, "{answer}");
+        let angle = |degrees: f64| number(&ask(&with(wound(degrees), "model", json!(model))), "bend_angle_rad");
+        let changes = [18.0, 22.0].map(|degrees| (angle(degrees) / angle(20.0) - 1.0).abs());
+        let off = number(&answer["errors"], "winding_2deg") / changes[0].max(changes[1]) - 1.0;
+        assert!(off.abs() < 1e-9 && changes[0] > 0.05, "{answer} {changes:?}");
+        let without = ask(&with(line.clone(), "errors", json!(false)));
+        assert_eq!(without["bend_angle_rad"], answer["bend_angle_rad"]);
+        assert!(without["errors"].get("winding_2deg").is_none(), "{without}");
+    }
+    let mut bare = with(wound(3.0), "errors", json!(true));
+    bare.as_object_mut().unwrap().remove("fiber");
+    assert!(ask(&bare)["errors"].get("winding_2deg").is_none());
 }
 
 #[test]

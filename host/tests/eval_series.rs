@@ -221,3 +221,112 @@ fn targets_of_the_model_are_all_available() {
         assert!((number(&answer, field) / value - 1.0).abs() < 1e-12);
     }
 }
+
+/// A field of a line in place of another value.
+fn with(mut line: Value, field: &str, value: Value) -> Value {
+    line[field] = value;
+    line
+}
+
+/// A bender with two families at 20 deg, whose analytic bend errs by more than 0.5 %.
+fn wound_bender() -> Value {
+    with(bender(), "fiber", json!({"angle_deg": 20, "families": 2, "modulus_pa": 2e8, "thickness_m": 1e-4}))
+}
+
+/// A segment as a question about one actuator.
+fn alone(segment: &Value, pressure_pa: f64) -> Value {
+    let mut line = segment.clone();
+    line.as_object_mut().unwrap().remove("bend_direction_deg");
+    with(with(line, "problem", json!("forward")), "pressure_pa", json!(pressure_pa))
+}
+
+#[test]
+fn wound_segments_have_the_answers_of_single_actuators_with_models_and_errors() {
+    let helices = json!([{"angle_deg": 30, "modulus_pa": 2e8, "thickness_m": 1e-4}, {"angle_deg": -10, "modulus_pa": 2e8, "thickness_m": 1e-4}]);
+    let rod = json!([{"angle_deg": 30, "modulus_pa": 2e8, "thickness_m": 1e-4}, {"angle_deg": 90, "modulus_pa": 2e8, "thickness_m": 1e-4}]);
+    let segments = [wound_bender(), with(twister(), "fiber", rod), with(bender(), "fiber", helices), bender()];
+    let there = ask(&forward(json!(segments), 25e3), Scalar::F64);
+    let models = [json!("section-fe"), json!(null), json!("section-fe"), json!(null)];
+    let (mut bend, mut twist) = (0.0, 0.0);
+    for ((segment, model), found) in segments.iter().zip(models).zip(there["segments"].as_array().unwrap()) {
+        let single = ask(&alone(segment, 25e3), Scalar::F64);
+        for field in
+            ["axial_stretch", "inner_radius_m", "outer_radius_m", "twist_rad", "bend_angle_rad", "model", "errors"]
+        {
+            assert_eq!(found[field], single[field], "{field} of {found}");
+        }
+        assert_eq!(found["model"], model, "{found}");
+        (bend, twist) = (bend + number(&single, "bend_angle_rad"), twist + number(&single, "twist_rad"));
+    }
+    assert_eq!((number(&there, "bend_angle_rad"), number(&there, "twist_rad")), (bend, twist));
+    assert!(there["segments"][0]["errors"]["winding_2deg"].is_number() && there["residual"].is_null(), "{there}");
+    for field in ["extension_m", "twist_rad", "bend_angle_rad"] {
+        let target = json!({field: there[field]});
+        let back = ask(&inverse(json!(segments), target), Scalar::F64);
+        assert_eq!(back["status"], "ok", "{back}");
+        assert!((number(&back, "pressure_pa") / 25e3 - 1.0).abs() < 1e-9, "{back}");
+        assert_eq!(back["segments"][0]["model"], "section-fe");
+    }
+}
+
+#[test]
+fn model_of_a_series_is_chosen_for_each_segment() {
+    let line = forward(json!([wound_bender(), twister()]), 25e3);
+    let bend = |line: &Value| number(&ask(line, Scalar::F64), "bend_angle_rad");
+    let section = bend(&line);
+    let analytic = ask(&with(line.clone(), "model", json!("analytic")), Scalar::F64);
+    let off = number(&analytic, "bend_angle_rad") / section - 1.0;
+    let stated = number(&analytic["segments"][0]["errors"], "model");
+    assert!(off != 0.0 && off.abs() <= stated, "{off} {stated}");
+    let tolerant = with(line.clone(), "tolerance", json!(0.5));
+    assert_eq!(bend(&tolerant), number(&analytic, "bend_angle_rad"));
+    // Without errors the analytic series is that of the library.
+    let plain = ask(&with(with(line.clone(), "model", json!("analytic")), "errors", json!(false)), Scalar::F64);
+    assert!(plain["segments"][0].get("errors").is_none() && plain["residual"].is_number(), "{plain}");
+    assert!((number(&plain, "bend_angle_rad") / number(&analytic, "bend_angle_rad") - 1.0).abs() < 1e-14);
+    let all = ask(&with(line.clone(), "errors", json!(true)), Scalar::F64);
+    assert!(all["segments"].as_array().unwrap().iter().all(|one| one["errors"]["rounding"].is_number()), "{all}");
+    for (line, message) in [
+        (with(line.clone(), "tolerance", json!(-1)), "tolerance = -1 is not allowed: finite and > 0"),
+        (
+            with(with(line.clone(), "tolerance", json!(0.1)), "model", json!("analytic")),
+            "`tolerance` is for `model` \"auto\"",
+        ),
+    ] {
+        assert!(ask(&line, Scalar::F64)["message"].as_str().unwrap().contains(message), "{line}");
+    }
+    let single = ask(&with(line, "model", json!("section-fe")), Scalar::F32);
+    assert!(single["message"].as_str().unwrap().contains("no single precision"), "{single}");
+}
+
+/// Beyond the end of its branch no bend of a segment is told; the segment and its limit are.
+#[test]
+fn limit_of_finite_elements_names_its_segment() {
+    let winding = json!({"angle_deg": 5, "families": 2, "modulus_pa": 2e8, "thickness_m": 1e-4});
+    let soft = with(with(bender(), "material", json!("Ecoflex 00-30")), "fiber", winding);
+    let answer = ask(&forward(json!([twister(), soft]), 40e3), Scalar::F64);
+    let single = ask(&alone(&soft, 40e3), Scalar::F64);
+    assert_eq!((&answer["status"], &answer["limit_segment"]), (&json!("no_solution"), &json!(1)), "{answer}");
+    assert_eq!(answer["limit_pressure_pa"], single["limit_pressure_pa"]);
+    assert!(answer["pressure_pa"].is_null() && answer["segments"] == json!([]), "{answer}");
+}
+
+#[test]
+fn walls_beyond_the_test_of_their_elastomer_are_warned_of() {
+    // The test ends at a stretch of 3.75.
+    let tube = |segment: Value| with(segment, "outer_radius_m", json!(10e-3));
+    let hoops = json!({"angle_deg": 3, "families": 2, "modulus_pa": 3.61e8, "thickness_m": 1.78e-4});
+    let named = with(with(twister(), "motion", json!("extension")), "material", json!("Ecoflex 00-50"));
+    let named = tube(with(named, "fiber", hoops));
+    for (segments, index) in [(json!([named]), 0), (json!([tube(wound_bender()), named]), 1)] {
+        let warnings = |pressure_pa: f64| {
+            let answer = ask(&forward(segments.clone(), pressure_pa), Scalar::F64);
+            assert_eq!(answer["status"], "ok", "{answer}");
+            answer["warnings"].as_array().map_or_else(Vec::new, Clone::clone)
+        };
+        assert_eq!(warnings(60e3), Vec::<Value>::new());
+        let [warning] = &warnings(82e3)[..] else { panic!("one warning") };
+        let expected = format!("segment {index}: the wall stretches to ");
+        assert!(warning.as_str().unwrap().starts_with(&expected), "{warning}");
+    }
+}

@@ -19,6 +19,7 @@ mod series;
 pub mod statics;
 mod stretch;
 pub mod tolerance;
+mod winding_error;
 pub mod workspace;
 
 pub use bend::Bend;
@@ -27,3 +28,4 @@ pub use curve::StateCurve;
 pub use limb::{Drive, Limb, LimbModule, base_pose, bending_law, reference_max_pa};
 pub use restraint::TWIST_SHARE_MIN;
 pub use stretch::largest_stretch;
+pub use winding_error::{Bent, WINDING_ERROR_RAD, winding_effect};

@@ -12,7 +12,7 @@ use super::shared::{limb, show};
 use super::{Failure, Outcome};
 use crate::query as eval;
 use crate::query::{Curve, Scalar};
-use crate::results::bend::{PrintedBend, rows};
+use crate::results::bend::{PrintedBend, of_segments, rows};
 
 /// Evaluate the actuator model: pressure curves of a scene's actuators, or a batch of queries
 #[derive(Args)]
@@ -53,6 +53,8 @@ struct Printed<'a> {
     curves: &'a [Curve],
     /// The model of each module's bend; `null` of straight modules and of benders with an ideal winding.
     bends: Vec<Option<PrintedBend>>,
+    /// Those of the segments of each module; `null` of a module without.
+    segment_bends: Vec<Option<Vec<Option<PrintedBend>>>>,
     warnings: &'a [String],
 }
 
@@ -88,8 +90,9 @@ impl Eval {
         let (scene, limb) = limb(path)?;
         let curves = eval::curves(&limb, usize::from(self.steps));
         let warnings = limb.winding_warnings(&scene);
-        let bends = limb.modules().iter().map(|module| module.bend().map(PrintedBend::new)).collect();
-        let printed = Printed { scene: scene.name(), curves: &curves, bends, warnings: &warnings };
+        let bends = limb.modules().iter().map(PrintedBend::of).collect();
+        let segment_bends = limb.modules().iter().map(of_segments).collect();
+        let printed = Printed { scene: scene.name(), curves: &curves, bends, segment_bends, warnings: &warnings };
         show(self.json, &printed, || {
             let tables = curves.iter().map(table).collect::<Vec<_>>().join("\n");
             rows(&limb).into_iter().fold(tables, |text, row| format!("{text}{row}\n"))

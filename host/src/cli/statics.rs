@@ -7,6 +7,7 @@ use clap::Args;
 use super::check_margins::load_factor;
 use super::shared::{limb, quantity, show};
 use super::{Failure, Outcome, warn};
+use crate::results::bend::rows;
 use crate::results::{StaticsOptions, StaticsResult, StaticsRow as Row};
 use softlimb_limb::statics::{Answer, BUCKLING_MARGIN_MAX};
 use softlimb_scene::{Quantity, Scene};
@@ -41,7 +42,7 @@ impl Statics {
             tolerance: self.tolerance.si(),
         };
         let result = StaticsResult::new(&scene, &limb, &options)?;
-        show(self.json, &result.printed(), || table(&scene, &result.rows))?;
+        show(self.json, &result.printed(), || [vec![table(&scene, &result.rows)], rows(&limb)].concat().join("\n"))?;
         Ok(warn(&result.warnings))
     }
 }

@@ -36,18 +36,18 @@ pub enum Scalar {
 }
 
 /// A line of output about one actuator.
-struct Answer {
-    status: &'static str,
+pub(super) struct Answer {
+    pub(super) status: &'static str,
     /// Of the equilibrium, with the status `ok`.
-    state: Option<State<f64>>,
-    limit_pressure_pa: Option<f64>,
-    residual: Option<f64>,
-    iterations: u32,
+    pub(super) state: Option<State<f64>>,
+    pub(super) limit_pressure_pa: Option<f64>,
+    pub(super) residual: Option<f64>,
+    pub(super) iterations: u32,
     discretisation_error: Option<Discretisation>,
     all: Option<All>,
     /// The model that answered, where there was a choice.
-    model: Option<&'static str>,
-    errors: Option<Errors>,
+    pub(super) model: Option<&'static str>,
+    pub(super) errors: Option<Errors>,
     warning: Option<String>,
     message: Option<String>,
 }
@@ -105,7 +105,7 @@ fn write_next<'a>(
     }
     match parsed::<Request>(line) {
         Ok(request) => write_answer(actuator(&request, solver), &request.id, number, out)?,
-        Err(_) if is_about_a_series(line) => match series(line, solver.scalar) {
+        Err(_) if is_about_a_series(line) => match series(line, solver) {
             Ok(answer) => {
                 serde_json::to_writer(&mut *out, &answer)?;
                 out.push(b'\n');
@@ -148,17 +148,15 @@ pub(super) fn parsed<T: DeserializeOwned>(line: &[u8]) -> Answered<T> {
 fn actuator(request: &Request, solver: &mut Solver) -> Result<Answer, String> {
     let case = request.case()?;
     let mut answer = answered(&case, solver)?;
-    answer.warning = answer.beyond_the_test(&case);
+    answer.warning = answer.state.as_ref().and_then(|state| beyond_the_test(&case.parameters, case.stretch_max, state));
     Ok(answer)
 }
 
-fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, String> {
+pub(super) fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, String> {
     if let Some(second) = &case.second_fiber {
         if two_windings::is_by_section(case, solver.scalar)? {
             let found = by_section(case)?;
-            let model = (case.model == Model::Auto).then_some("section-fe");
-            let answer = Answer { model, ..Answer::found(&found) };
-            return Ok(if model.is_some() || case.errors { answer.with_errors_of(case, &found) } else { answer });
+            return Ok(of_section(case, &found));
         }
         let solution = two_windings::answer(case, second, solver.scalar)?;
         return match (case.all, &case.question) {
@@ -177,14 +175,10 @@ fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, String> {
                 Scalar::F32 => solver.solve_single(case)?,
             };
             // Most answers are neither about a wound bender nor have their errors.
-            let has_choice = case.model == Model::Auto && is_wound_bender(&case.parameters);
-            if case.errors || has_choice { chosen(case, &solution, scalar) } else { Ok(Answer::of(&solution)) }
+            let states_errors = (case.winding || case.model == Model::Auto) && is_wound_bender(&case.parameters);
+            if case.errors || states_errors { chosen(case, &solution, scalar) } else { Ok(Answer::of(&solution)) }
         }
-        (Model::SectionFe, Scalar::F64) => {
-            let found = by_section(case)?;
-            let answer = Answer::found(&found);
-            Ok(if case.errors { answer.with_errors_of(case, &found) } else { answer })
-        }
+        (Model::SectionFe, Scalar::F64) => Ok(of_section(case, &by_section(case)?)),
         (Model::SectionFe, Scalar::F32) => Err("`model` \"section-fe\" has no single precision".into()),
     }
 }
@@ -192,21 +186,29 @@ fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, String> {
 /// The analytic answer with its errors, or with model `auto` that of finite elements where the error of the first is beyond the tolerance.
 fn chosen(case: &Case, analytic: &Solution<f64>, scalar: Scalar) -> Result<Answer, String> {
     let is_solved = analytic.status == Status::Solved;
-    let errors = is_solved.then(|| errors::of_analytic(case, &analytic.state, precision(scalar)));
     let is_within = analytic_bend_error(&case.parameters, &analytic.state).is_some_and(|error| error <= case.tolerance);
-    let answer = Answer { model: Some("analytic"), errors, ..Answer::of(analytic) };
-    if case.model == Model::Analytic
+    let serves = case.model == Model::Analytic
         || scalar == Scalar::F32
         || (is_solved && is_within)
-        || !is_wound_bender(&case.parameters)
-    {
-        return Ok(answer);
-    }
+        || !is_wound_bender(&case.parameters);
     // Vacuum and more than 100 shear moduli are outside the finite elements' range.
-    match by_section(case) {
-        Ok(found) => Ok(Answer { model: Some("section-fe"), ..Answer::found(&found) }.with_errors_of(case, &found)),
-        Err(_) => Ok(answer),
+    if !serves && let Ok(found) = by_section(case) {
+        return Ok(of_section(case, &found));
     }
+    let errors = is_solved.then(|| errors::of_analytic(case, &analytic.state, precision(scalar)));
+    Ok(Answer { model: Some("analytic"), errors, ..Answer::of(analytic) })
+}
+
+/// The answer of finite elements, of a wound bender with its errors.
+fn of_section(case: &Case, found: &SectionAnswer) -> Answer {
+    let answer = Answer::found(found);
+    let has_errors = case.errors || case.model == Model::Auto || (case.winding && is_wound_bender(&case.parameters));
+    if !has_errors {
+        return answer;
+    }
+    let discretisation = found.error.map(|error| error.natural(case.parameters.motion));
+    let errors = found.state.as_ref().map(|state| errors::of_section(case, state, discretisation));
+    Answer { model: Some("section-fe"), errors, ..answer }
 }
 
 fn precision(scalar: Scalar) -> f64 {
@@ -268,9 +270,9 @@ fn by_section(case: &Case) -> Result<SectionAnswer, String> {
     })
 }
 
-fn series(line: &[u8], scalar: Scalar) -> Answered<SeriesAnswer> {
+fn series(line: &[u8], solver: &mut Solver) -> Answered<SeriesAnswer> {
     let request: SeriesRequest = parsed(line)?;
-    let answered = request.case().and_then(|case| case.answer(request.id.clone(), scalar));
+    let answered = request.case().and_then(|case| case.answer(request.id.clone(), solver));
     answered.map_err(|message| (request.id, message))
 }
 
@@ -281,8 +283,8 @@ fn id_of(line: &[u8]) -> Value {
 }
 
 /// Solves questions one after the other. It keeps the last actuator: batches often ask for many pressures of the same one.
-struct Solver {
-    scalar: Scalar,
+pub(super) struct Solver {
+    pub(super) scalar: Scalar,
     double: Last<f64>,
     single: Last<f32>,
 }
@@ -365,6 +367,17 @@ pub(super) fn as_written(error: InvalidParameter<f64>) -> InvalidParameter<f64> 
     }
 }
 
+/// The warning of a wall that stretches further than the test behind the law of its elastomer.
+pub(super) fn beyond_the_test(
+    parameters: &ActuatorParameters<f64>,
+    stretch_max: Option<f64>,
+    state: &State<f64>,
+) -> Option<String> {
+    let (most, stretch) = (stretch_max?, largest_stretch(parameters, state));
+    (stretch > most)
+        .then(|| format!("the wall stretches to {stretch:.2}, and the test behind the law ends at {most:.2}"))
+}
+
 /// A status in the words of the interface.
 pub(super) fn word(status: Status) -> &'static str {
     match status {
@@ -430,19 +443,6 @@ impl Answer {
         let blank = Self::without_state(word(found.status), None);
         let SectionAnswer { state, limit_pressure_pa, iterations, error, .. } = *found;
         Self { state, limit_pressure_pa, iterations, discretisation_error: error, ..blank }
-    }
-
-    fn with_errors_of(self, case: &Case, found: &SectionAnswer) -> Self {
-        let discretisation = found.error.map(|error| error.natural(case.parameters.motion));
-        Self { errors: found.state.as_ref().map(|state| errors::of_section(case, state, discretisation)), ..self }
-    }
-
-    /// The warning of a wall that stretches further than the test behind the law of its elastomer.
-    fn beyond_the_test(&self, case: &Case) -> Option<String> {
-        let most = case.stretch_max?;
-        let stretch = largest_stretch(&case.parameters, self.state.as_ref()?);
-        (stretch > most)
-            .then(|| format!("the wall stretches to {stretch:.2}, and the test behind the law ends at {most:.2}"))
     }
 
     /// Appends the answer as JSON. By hand, since a derived one would look for characters to escape in the names of its fields.

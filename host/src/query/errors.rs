@@ -1,11 +1,12 @@
 //! Errors of an answer, and the choice of the model that they ask for.
 
-use fra_model::{ActuatorParameters, Fiber, Load, Motion, State, StateQuantity, Status};
+use fra_model::{Load, Motion, State, StateQuantity, Status};
 use serde::Serialize;
 
 use super::request::{Case, Question};
-use super::{section_fe, two_windings};
-use softlimb_fea::cross_section::{analytic_bend_error, is_wound_bender};
+use super::two_windings;
+use softlimb_fea::cross_section::analytic_bend_error;
+use softlimb_limb::{Bent, winding_effect};
 
 /// Errors of the closed forms and of the search, in units of the precision times the condition number.
 const ROUNDING: f64 = 10.0;
@@ -13,8 +14,6 @@ const ROUNDING: f64 = 10.0;
 const SECTION_ROUNDING: f64 = 1e-9;
 /// Relative step of a numeric derivative.
 const STEP: f64 = 1e-4;
-/// Winding error that an answer states the effect of, rad.
-const WINDING_ERROR_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
 /// Relative errors of the answer: of the deformation, or of the pressure in an inverse problem.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
@@ -31,31 +30,32 @@ pub(super) struct Errors {
     winding_2deg: Option<f64>,
 }
 
-/// Errors of an analytic answer. Without a request for all of them, the error of the model alone.
+/// Errors of an analytic answer. Without a request for all of them, those of the model and of the winding alone.
 pub(super) fn of_analytic(case: &Case, state: &State<f64>, precision: f64) -> Errors {
     let straight = case.parameters.motion != Motion::Bending;
     let loaded = case.load != Load::none();
     let bend = || analytic_bend_error(&case.parameters, state).filter(|_| !loaded);
     let model = if straight { Some(0.0) } else { bend() };
+    let winding_2deg = case.winding.then(|| winding(case, state, false)).flatten();
     if !case.errors {
-        return Errors { model, ..Errors::default() };
+        return Errors { model, winding_2deg, ..Errors::default() };
     }
     Errors {
         rounding: condition(case, state).map(|condition| ROUNDING * precision * condition.max(1.0)),
         discretisation: Some(0.0),
         model,
-        winding_2deg: winding(case, state),
+        winding_2deg,
     }
 }
 
 /// Errors of an answer by finite elements, with the error of discretisation of its quantity.
 pub(super) fn of_section(case: &Case, state: &State<f64>, discretisation: Option<f64>) -> Errors {
     let relative = |error: f64| error / natural(case, state).abs();
-    let errors = Errors { discretisation: discretisation.map(relative), model: Some(0.0), ..Errors::default() };
-    if case.errors {
-        Errors { rounding: Some(SECTION_ROUNDING), winding_2deg: winding(case, state), ..errors }
-    } else {
-        errors
+    Errors {
+        rounding: case.errors.then_some(SECTION_ROUNDING),
+        discretisation: discretisation.map(relative),
+        model: Some(0.0),
+        winding_2deg: case.winding.then(|| winding(case, state, true)).flatten(),
     }
 }
 
@@ -86,23 +86,8 @@ fn condition(case: &Case, state: &State<f64>) -> Option<f64> {
     })
 }
 
-/// The largest relative change of the bend with every winding 2 deg more or less, by finite elements at the answer's pressure.
-fn winding(case: &Case, state: &State<f64>) -> Option<f64> {
-    if !is_wound_bender(&case.parameters) || state.pressure_pa <= 0.0 {
-        return None;
-    }
-    // Farther from the hoop or nearer to it, on either side.
-    let off = |fiber: Fiber<f64>, error: f64| Fiber {
-        angle_rad: fiber.angle_rad + error * fiber.angle_rad.signum(),
-        ..fiber
-    };
-    let bend = |error: f64| {
-        let fiber = case.parameters.fiber.map(|fiber| off(fiber, error));
-        let wound = ActuatorParameters { fiber, ..case.parameters };
-        let second = case.second_fiber.map(|fiber| off(fiber, error));
-        section_fe::bend(&wound, second.as_ref(), state.pressure_pa, &case.load)
-    };
-    let nominal = bend(0.0)?;
-    let changes = [-WINDING_ERROR_RAD, WINDING_ERROR_RAD].map(|error| Some((bend(error)? / nominal - 1.0).abs()));
-    changes.into_iter().collect::<Option<Vec<_>>>()?.into_iter().reduce(f64::max)
+/// The largest relative change of the bend with every winding 2 deg more or less, at the answer's pressure and by its model.
+fn winding(case: &Case, state: &State<f64>, by_section: bool) -> Option<f64> {
+    let bent = Bent { pressure_pa: state.pressure_pa, bend_angle_rad: state.bend_angle_rad };
+    winding_effect(&case.parameters, case.second_fiber.as_ref(), &[bent], &case.load, by_section)
 }

@@ -63,7 +63,7 @@ fn request(scan: &mut Scan) -> Option<Request> {
         pressure_range,
         solutions,
         tolerance,
-        errors: false,
+        errors: None,
         external_force_n,
         external_torque_nm,
     })

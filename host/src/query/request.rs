@@ -33,8 +33,7 @@ pub(super) struct Request {
     pub(super) pressure_range: Option<[f64; 2]>,
     pub(super) solutions: Option<Solutions>,
     pub(super) tolerance: Option<f64>,
-    #[serde(default)]
-    pub(super) errors: bool,
+    pub(super) errors: Option<bool>,
     pub(super) external_force_n: Option<f64>,
     pub(super) external_torque_nm: Option<f64>,
 }
@@ -194,8 +193,10 @@ pub(super) struct Case {
     pub(super) load: Load<f64>,
     /// Largest relative error of the analytic bend that model `auto` accepts.
     pub(super) tolerance: f64,
-    /// Whether the answer has its errors.
+    /// Whether the answer has all its errors.
     pub(super) errors: bool,
+    /// Whether the answer of a wound bender has the effect of its winding's error.
+    pub(super) winding: bool,
 }
 
 impl Request {
@@ -219,12 +220,6 @@ impl Request {
         if all && self.model == Model::SectionFe {
             return Err("`solutions` \"all\" is not for `model` \"section-fe\": it finds one".into());
         }
-        let tolerance = match (self.tolerance, self.model) {
-            (None, _) => BEND_TOLERANCE,
-            (Some(value), Model::Auto) if value > 0.0 && value.is_finite() => value,
-            (Some(value), Model::Auto) => return Err(format!("tolerance = {value} is not allowed: finite and > 0")),
-            (Some(_), _) => return Err("`tolerance` is for `model` \"auto\"".into()),
-        };
         let stated = self.pressure_range.map(|[least_pa, most_pa]| PressureRange { least_pa, most_pa });
         Ok(Case {
             model: self.model,
@@ -242,8 +237,9 @@ impl Request {
             range: stated.unwrap_or_else(PressureRange::physical),
             all,
             load: load(self.external_force_n, self.external_torque_nm),
-            tolerance,
-            errors: self.errors,
+            tolerance: tolerance(self.tolerance, self.model)?,
+            errors: self.errors == Some(true),
+            winding: self.errors != Some(false),
         })
     }
 }
@@ -275,6 +271,16 @@ impl Problem {
             (Self::Forward, Some(_), Some(_)) => Err("a forward problem takes no `target`".into()),
             (Self::Inverse, Some(_), Some(_)) => Err("an inverse problem takes no `pressure_pa`".into()),
         }
+    }
+}
+
+/// The error of the analytic bend that a model accepts.
+pub(super) fn tolerance(stated: Option<f64>, model: Model) -> Result<f64, String> {
+    match (stated, model) {
+        (None, _) => Ok(BEND_TOLERANCE),
+        (Some(value), Model::Auto) if value > 0.0 && value.is_finite() => Ok(value),
+        (Some(value), Model::Auto) => Err(format!("tolerance = {value} is not allowed: finite and > 0")),
+        (Some(_), _) => Err("`tolerance` is for `model` \"auto\"".into()),
     }
 }
 
@@ -318,7 +324,7 @@ impl MaterialSpec {
 
 impl Fibers {
     /// The first and the second winding. In a list, a winding is one family unless it states two.
-    fn windings(&self, motion: Motion, outer_radius_m: f64) -> Result<[Option<Fiber<f64>>; 2], String> {
+    pub(super) fn windings(&self, motion: Motion, outer_radius_m: f64) -> Result<[Option<Fiber<f64>>; 2], String> {
         let listed = |spec: &FiberSpec, place: &str, motion: Motion| {
             let spec = FiberSpec { families: spec.families.or(Some(1)), ..*spec };
             let winding = spec.fiber(motion, outer_radius_m);

@@ -106,22 +106,6 @@ pub fn solve_section(query: &SectionQuery<'_>) -> Result<SectionAnswer, SectionE
     }
 }
 
-/// The bend of an actuator at a gauge pressure, rad; `None` where there is no answer.
-pub(super) fn bend(
-    parameters: &ActuatorParameters<f64>,
-    second_fiber: Option<&Fiber<f64>>,
-    pressure_pa: f64,
-    load: &Load<f64>,
-) -> Option<f64> {
-    let section = match second_fiber {
-        None => Section::new(parameters, &Options::default()),
-        Some(second) => Section::with_two_windings(parameters, second, &Options::default()),
-    };
-    let section = section.ok()?;
-    let curve = section.curve(&[pressure_pa], &EndLoad::of(load, parameters.motion)).ok()?;
-    Some(curve.answers.first()?.equilibrium()?.state.over(parameters.length_m).bend_angle_rad)
-}
-
 /// The error with the name of the one pressure.
 fn plain(error: SectionError) -> SectionError {
     match error {

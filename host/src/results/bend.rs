@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use softlimb_limb::{Bend, Limb, LimbModule};
+use softlimb_limb::{Limb, LimbModule};
 
 /// The model of a bend, as `--json` prints it.
 #[derive(Serialize)]
@@ -10,23 +10,30 @@ pub(crate) struct PrintedBend {
     model: &'static str,
     /// Largest relative error that the analytic model states up to the highest pressure.
     analytic_error: Option<f64>,
+    /// Largest relative change of the bend if the winding is 2 deg off.
+    winding_2deg: Option<f64>,
 }
 
 impl PrintedBend {
-    pub(crate) fn new(bend: Bend) -> Self {
-        Self { model: bend.model(), analytic_error: bend.analytic_error() }
+    /// The bend of a module; `None` of straight modules, and of benders with an ideal winding.
+    pub(crate) fn of(module: &LimbModule) -> Option<Self> {
+        let bend = module.bend()?;
+        Some(Self { model: bend.model(), analytic_error: bend.analytic_error(), winding_2deg: module.winding_effect() })
     }
 }
 
 /// The bends of a series: one a segment from the base to the tip, `null` for those that are straight or have an ideal winding. Nothing for
 /// another module.
 pub(crate) fn of_segments(module: &LimbModule) -> Option<Vec<Option<PrintedBend>>> {
-    let bends = || module.segments().iter().map(|segment| segment.bend().map(PrintedBend::new));
-    module.is_series().then(|| bends().collect())
+    module.is_series().then(|| module.segments().iter().map(PrintedBend::of).collect())
 }
 
 /// A line for each bending module or segment with a stated winding.
 pub(crate) fn rows(limb: &Limb) -> Vec<String> {
-    let row = |part: &LimbModule| Some(format!("  {:<16} bends by {}", part.name, part.bend()?));
+    let row = |part: &LimbModule| {
+        let off = |share: f64| format!("; 2 deg of fiber angle change the bend by up to {:.1} %", 100.0 * share);
+        let off = part.winding_effect().map_or(String::new(), off);
+        Some(format!("  {:<16} bends by {}{off}", part.name, part.bend()?))
+    };
     limb.parts().filter_map(row).collect()
 }

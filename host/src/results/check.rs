@@ -127,7 +127,7 @@ impl<'a> CheckResult<'a> {
                 tables: inverse.tables().is_some(),
                 inverse_error: inverse.error(),
                 no_tables_because: inverse.reason().map(|reason| reason.to_string()),
-                bend: module.bend().map(PrintedBend::new),
+                bend: PrintedBend::of(module),
                 segment_bends: of_segments(module),
             });
         let phases = plan.phases.iter().enumerate().map(|(index, phase)| PrintedPhase {

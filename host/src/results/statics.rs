@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::ResultError;
+use super::bend::PrintedBend;
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{EquilibriumError, Load, LoadedLimb, Standing};
 use softlimb_motion as motion;
@@ -48,6 +49,8 @@ pub(crate) struct Row {
 struct Printed<'a> {
     scene: &'a str,
     mass_kg: f64,
+    /// The model of each module's bend; `null` of straight modules and of benders with an ideal winding.
+    bends: Vec<Option<PrintedBend>>,
     phases: Vec<PrintedPhase<'a>>,
 }
 
@@ -114,7 +117,8 @@ impl<'a> StaticsResult<'a> {
     /// The result as `--json` prints it.
     pub fn printed(&self) -> impl Serialize {
         let phases = self.rows.iter().map(|row| row.printed(self.limb)).collect();
-        Printed { scene: self.scene.name(), mass_kg: self.scene.mass_kg(), phases }
+        let bends = self.limb.modules().iter().map(PrintedBend::of).collect();
+        Printed { scene: self.scene.name(), mass_kg: self.scene.mass_kg(), bends, phases }
     }
 }
 

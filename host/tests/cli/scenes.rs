@@ -323,6 +323,8 @@ fn module_of_segments_is_checked_and_otherwise_refused_at_the_line() {
         ("payload track scene.toml --loads 1N", "payload track"),
         ("fea compare scene.toml", "fea"),
         ("fea calibrate scene.toml", "fea"),
+        ("fea export scene.toml", "fea"),
+        ("fea run scene.toml", "fea"),
         ("design limb scene.toml --out designed.toml", "design limb"),
         ("calibrate pressure data.csv --scene scene.toml --fit shear_modulus", "calibrate"),
         ("calibrate creep data.csv --scene scene.toml", "calibrate"),
@@ -374,7 +376,14 @@ fn check_names_the_bend_of_each_segment() {
     for (own, alone) in [(&bends[1], &helix["bend"]), (&bends[2], &hoop["bend"])] {
         assert!(model(own).is_some() && model(own) == model(alone), "{own} {alone}");
     }
+    let evaluated = desk.softlimb("eval scene.toml --json").done().json();
+    assert_eq!(&evaluated["segment_bends"], &serde_json::json!([bends]), "{evaluated}");
+    // At 15 deg two more or less change the bend by some per cent.
+    let off = bends[1]["winding_2deg"].as_f64().expect("a share");
+    assert!((0.03..0.1).contains(&off), "{bends}");
+    assert_eq!(desk.softlimb("statics helix.toml --json").json()["bends"][0], helix["bend"]);
     let text = desk.softlimb("check scene.toml").out;
     assert!(text.contains("  finger.2         bends by finite elements"), "{text}");
+    assert!(text.contains(&format!("2 deg of fiber angle change the bend by up to {:.1} %", 100.0 * off)), "{text}");
     assert!(text.contains("  finger.3         bends by") && !text.contains("finger.1 "), "{text}");
 }

@@ -95,6 +95,7 @@ impl Arguments {
     /// Name, subject and highest pressure, of a scene's module.
     fn of_scene(&self) -> Result<(String, Subject, f64), Failure> {
         let scene = scene::load(&self.file)?;
+        scene.require_no_segments("`fea`")?;
         let module = self.module(&scene)?;
         let single = Subject::single(module.made_actuator()).with_second_fiber(module.second_fiber.map(|fiber| *fiber));
         let bundle = Subject { actuators: module.actuators, arrangement: module.arrangement, ..single };
