@@ -6,6 +6,7 @@ mod bundle_unlike;
 mod design;
 mod design_path;
 mod design_scene;
+mod design_series;
 mod loaded;
 #[path = "../../../tests/support/samples.rs"]
 mod samples;

@@ -108,6 +108,7 @@ fn redesign_writes_either_arrangement() {
                     radii_m: [0.010, 0.014],
                     length_m: 0.24,
                     winding: None,
+                    segments: Vec::new(),
                 }
             };
             let text = redesigned(&scene, &[redesign(0, "extension"), redesign(1, "bending")], None).unwrap();

@@ -35,6 +35,7 @@ fn unchanged(scene: &Scene) -> Vec<Redesign> {
         radii_m: [*module.inner_radius_m, *module.outer_radius_m],
         length_m: *module.length_m,
         winding: module.fiber.map(|fiber| fiber.angle_rad),
+        segments: Vec::new(),
     });
     modules.collect()
 }
@@ -107,6 +108,7 @@ fn new_limb_takes_the_place_of_the_old_one() {
         radii_m: [0.009, 0.013],
         length_m: 0.2,
         winding,
+        segments: Vec::new(),
     };
     let modules = [named("first", "elbow", "bending", None), named("second", "wrist", "extension", Some(0.1))];
     let targets = vec![vec![(0, StateQuantity::BendAngle, 0.3), (1, StateQuantity::AxialStretch, 1.05)]; 4];

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use fra_model::{Arrangement, Motion};
 
 use super::error::BriefError;
-use super::space::{length_m, second, section, wound};
+use super::space::{Part, found_winding, length_m, parts, second, section, turned, wound, written_segment};
 use super::task::{SPARE_M, inside};
 use crate::loaded::{
     BaseSpace, CarriedBody, Evaluation, Laws, LimbSpace, LoadedPose, LoadedTask, ModuleSpace, StandingLimits,
@@ -14,8 +14,7 @@ use crate::synthesis::{Aim, Direction, Obstacle};
 use softlimb_limb::Limb;
 use softlimb_scene::collision::Shape;
 use softlimb_scene::{
-    Bounds, Goal, Gripper, Located, Module, ModuleBounds, Phase, Rebase, Redesign, RewriteError, Scene, SceneError,
-    redesigned_at,
+    Bounds, Goal, Gripper, Located, Module, Phase, Rebase, Redesign, RewriteError, Scene, SceneError, redesigned_at,
 };
 
 /// A limb under load to search for.
@@ -39,8 +38,8 @@ pub fn loaded_design(scene: &Scene) -> Result<LoadedDesign, BriefError> {
     }
     // A bender that twists is refused there.
     Limb::new(scene)?;
-    let modules = scene.modules().iter().enumerate();
-    let modules = modules.map(|(index, module)| module_space(scene, index, module)).collect::<Result<_, _>>()?;
+    let parts = (0..scene.modules().len()).flat_map(|index| parts(scene, index));
+    let modules = parts.map(|part| module_space(scene, &part)).collect::<Result<_, _>>()?;
     let limb = scene.limb();
     let tool = limb.end_effector.as_ref();
     let reserve = scene.design().map_or(0.0, |design| design.pressure_reserve.max(design.limit_margin));
@@ -77,30 +76,27 @@ pub fn loaded_design(scene: &Scene) -> Result<LoadedDesign, BriefError> {
 /// [`RewriteError`].
 pub fn loaded_text(scene: &Scene, design: &LoadedDesign, limb: &Evaluation) -> Result<String, RewriteError> {
     let sizes = &limb.sizes;
-    let modules = scene.modules().iter().zip(&design.space.modules).zip(&sizes.modules);
-    let redesigns: Vec<Redesign> = modules
-        .map(|((module, space), sizes)| Redesign {
+    let mut found = design.space.modules.iter().zip(&sizes.modules);
+    let (mut redesigns, mut spacers) = (Vec::new(), Vec::new());
+    for module in scene.modules() {
+        let parts: Vec<_> = found.by_ref().take(module.segments.len().max(1)).collect();
+        let [(space, first), ..] = parts[..] else { break };
+        let segments = module.segments.iter().zip(&parts);
+        redesigns.push(Redesign {
             name: module.name.to_string(),
             like: module.name.to_string(),
             motion: module.motion.name(),
-            bundle: (
-                module.actuators,
-                if space.in_row {
-                    Arrangement::Row { spacing_m: sizes.spread_m }
-                } else {
-                    Arrangement::Circle { radius_m: sizes.spread_m }
-                },
-            ),
-            mount_angle_rad: sizes.mount_angle_rad,
-            radii_m: sizes.radii_m,
-            length_m: sizes.length_m,
-            winding: module
-                .fiber
-                .as_ref()
-                .map(|fiber| if *module.motion == Motion::Bending { fiber.angle_rad } else { sizes.angle_rad }),
-        })
-        .collect();
-    let spacers: Vec<u8> = sizes.modules.iter().map(|module| module.spacers).collect();
+            bundle: (module.actuators, space.arrangement(first)),
+            mount_angle_rad: turned(module, parts.iter().map(|(_, sizes)| sizes.mount_angle_rad)),
+            radii_m: first.radii_m,
+            length_m: parts.iter().map(|(_, sizes)| sizes.length_m).sum(),
+            winding: found_winding(module, first.angle_rad),
+            segments: segments
+                .map(|(segment, (_, sizes))| written_segment(segment, sizes.length_m, sizes.angle_rad))
+                .collect(),
+        });
+        spacers.push(first.spacers);
+    }
     let [direction, up] = design.space.directions(sizes.pitch_rad);
     let base = Rebase { position_m: sizes.position_m, direction, up };
     redesigned_at(scene, &redesigns, &spacers, &base, &limb.grasp_directions(&design.task))
@@ -120,10 +116,9 @@ fn base(scene: &Scene) -> BaseSpace {
     BaseSpace { position_m, direction: limb.base_direction, up: limb.base_up, pitch_rad }
 }
 
-fn module_space(scene: &Scene, index: usize, module: &Module) -> Result<ModuleSpace, SceneError> {
-    let open = ModuleBounds::default();
+fn module_space(scene: &Scene, part: &Part) -> Result<ModuleSpace, SceneError> {
+    let Part { wound: module, bounds, .. } = part;
     let design = scene.design();
-    let bounds = design.and_then(|design| design.modules.get(index)).unwrap_or(&open);
     let pair = |bounds: Option<Located<Bounds>>, own: f64| bounds.map_or([own; 2], |bounds| *bounds);
     let bender = *module.motion == Motion::Bending;
     let inner_m = *module.inner_radius_m;
@@ -136,7 +131,9 @@ fn module_space(scene: &Scene, index: usize, module: &Module) -> Result<ModuleSp
         Arrangement::Circle { radius_m } => (false, radius_m, bounds.circle_radius_m),
         Arrangement::Row { spacing_m } => (true, spacing_m, bounds.spacing_m),
     };
-    let turn = if bender && design.is_some_and(|design| design.mount_angle_free) { PI } else { 0.0 };
+    let of = &scene.modules()[part.module];
+    let bends = of.parts().iter().any(|part| *part.motion == Motion::Bending);
+    let turn = if bends && design.is_some_and(|design| design.mount_angle_free) { PI } else { 0.0 };
     let mut space = ModuleSpace {
         name: module.name.to_string(),
         motion: *module.motion,
@@ -149,12 +146,14 @@ fn module_space(scene: &Scene, index: usize, module: &Module) -> Result<ModuleSp
         laws: None,
         inner_radius_m: pair(bounds.inner_radius_m, inner_m),
         wall_m: pair(bounds.wall_m, *module.outer_radius_m - inner_m),
-        length_m: length_m(scene, module, bounds)?,
-        end_m: module.end_length_m,
+        length_m: length_m(scene, part)?,
+        ends_m: part.ends_m,
+        joined: part.joined,
         angle_rad: pair(bounds.fiber_angle_rad, module.fiber.as_ref().map_or(0.0, |fiber| fiber.angle_rad)),
         spread_m: pair(spread, own_m),
         spacer_kg: module.spacer_mass_kg,
-        bay_m: design.map_or(f64::INFINITY, |design| design.bay_m),
+        // Nothing is between the segments of an actuator.
+        bay_m: design.filter(|_| of.segments.is_empty()).map_or(f64::INFINITY, |design| design.bay_m),
         steering: module.steering,
         mount_angle_rad: [module.mount_angle_rad - turn, module.mount_angle_rad + turn],
         pressure_max_pa: *module.pressure_max_pa,

@@ -14,7 +14,7 @@ mod task;
 pub use attempts::{Attempt, design_to_run};
 pub use error::BriefError;
 pub use loaded::{LoadedDesign, loaded_design, loaded_text};
-pub use targets::{redesigned_targets, targets, with_ends};
+pub use targets::{redesigned_targets, redesigned_totals, targets, totals, with_ends};
 pub use task::{Tasked, redesigned_limb, task};
 
 use softlimb_scene::{Goal, Scene};

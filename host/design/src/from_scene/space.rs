@@ -1,10 +1,12 @@
 //! What may be chosen of one module.
 
+use std::f64::consts::TAU;
+
 use fra_model::{Arrangement, Fiber, Motion, Placement};
 
 use crate::actuators::{Bounds, GeometryBounds, Segment, Sizes, Winding};
 use softlimb_limb::{Limb, reference_max_pa};
-use softlimb_scene::{BendingModel, Located, Module, ModuleBounds, Scene, SceneError};
+use softlimb_scene::{BendingModel, Located, Module, ModuleBounds, ModuleSegment, Scene, SceneError};
 
 /// Refuses modules whose plates hold their actuators back: these searches size an actuator alone, and the bundle does not do as one of them.
 ///
@@ -35,11 +37,45 @@ pub(super) fn refuse_steering(scene: &Scene) -> Result<(), SceneError> {
     Err(scene.diagnostic(module.span, title, &label, Some(help)))
 }
 
+/// What has one winding along its length: a module, or a segment of one.
+pub(super) struct Part {
+    /// Index of its module in the scene.
+    pub(super) module: usize,
+    /// It as a module.
+    pub(super) wound: Module,
+    /// Its bounds.
+    pub(super) bounds: ModuleBounds,
+    /// Lengths at the base and at the tip that its caps take out of the motion, m.
+    pub(super) ends_m: [f64; 2],
+    /// Whether it goes on from the one before it, a segment of the same actuator.
+    pub(super) joined: bool,
+}
+
+/// The parts of a module from the base to the tip. Radii are bounded by the module, lengths and fiber angles of segments by the segments.
+pub(super) fn parts(scene: &Scene, index: usize) -> Vec<Part> {
+    let module = &scene.modules()[index];
+    let own = scene.design().and_then(|design| design.modules.get(index)).copied().unwrap_or_default();
+    let last = module.segments.len().saturating_sub(1);
+    let part = |(number, mut wound): (usize, Module)| {
+        let Some(segment) = module.segments.get(number) else {
+            return Part { module: index, wound, bounds: own, ends_m: [module.end_length_m; 2], joined: false };
+        };
+        wound.name.value = format!("{} segment {}", *module.name, number + 1);
+        let mut bounds = own;
+        (bounds.length_m, bounds.fiber_angle_rad) = (segment.bounds.length_m, segment.bounds.fiber_angle_rad);
+        let capped = [number == 0, number == last];
+        let ends_m = capped.map(|capped| if capped { module.end_length_m } else { 0.0 });
+        Part { module: index, wound, bounds, ends_m, joined: number > 0 }
+    };
+    module.parts().into_iter().enumerate().map(part).collect()
+}
+
 /// A module's motion, material, winding and bounds of what moves of it, without goals. `bounds` are those of `[design]`; what has none keeps its value.
 ///
 /// # Errors
 /// A diagnostic at bounds whose actuators would overlap, and at a winding that has another place than the outer face.
-pub(super) fn segment(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> Result<Segment, SceneError> {
+pub(super) fn segment(scene: &Scene, part: &Part) -> Result<Segment, SceneError> {
+    let Part { wound: module, bounds, ends_m, .. } = part;
     let (inner, outer) = (*module.inner_radius_m, *module.outer_radius_m);
     let inner_radius_m = pair(bounds.inner_radius_m, inner);
     let wall_m = pair(bounds.wall_m, outer - inner);
@@ -59,7 +95,7 @@ pub(super) fn segment(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> 
         bounds: GeometryBounds {
             sizes: Sizes::InnerAndWall,
             sizes_m: [inner_radius_m, wall_m],
-            length_m: length_m(scene, module, bounds)?.map(|length_m| length_m - 2.0 * module.end_length_m),
+            length_m: length_m(scene, part)?.map(|length_m| length_m - ends_m.iter().sum::<f64>()),
             angle_rad: if *module.motion == Motion::Bending {
                 [angle_rad; 2]
             } else {
@@ -91,20 +127,22 @@ pub(super) fn second(scene: &Scene, module: &Module) -> Result<Option<(Winding, 
     second.map(|fiber| Ok((wound(scene, module, fiber)?, fiber.angle_rad))).transpose()
 }
 
-/// Bounds of the length of a module with both ends, m.
+/// Bounds of the length of a module or a segment with its ends, m.
 ///
 /// # Errors
 /// A diagnostic at bounds that leave nothing between the ends.
-pub(super) fn length_m(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> Result<Bounds, SceneError> {
+pub(super) fn length_m(scene: &Scene, part: &Part) -> Result<Bounds, SceneError> {
+    let Part { wound: module, bounds, ends_m, .. } = part;
     let length_m = pair(bounds.length_m, *module.length_m);
-    let ends_m = 2.0 * module.end_length_m;
+    let place = if ends_m.iter().all(|end_m| *end_m > 0.0) { "at both ends" } else { "at its end" };
+    let ends_m = ends_m.iter().sum::<f64>();
     if length_m[0] > ends_m {
         return Ok(length_m);
     }
     let span = bounds.length_m.map_or(module.span, |bounds| bounds.span);
-    let title = format!("the least `length` of `{}` must be more than `end_length` at both ends", *module.name);
+    let title = format!("the least `length` of `{}` must be more than `end_length` {place}", *module.name);
     let label = format!("a length of {:.3} mm is allowed", 1e3 * length_m[0]);
-    let help = format!("its two ends take {:.3} mm of it, which do not move", 1e3 * ends_m);
+    let help = format!("ends take {:.3} mm of it, which do not move", 1e3 * ends_m);
     Err(scene.diagnostic(span, &title, &label, Some(&help)))
 }
 
@@ -146,5 +184,29 @@ pub(super) fn wound(scene: &Scene, module: &Module, fiber: &Located<Fiber<f64>>)
         placement: fiber.placement,
         thickness_m: fiber.thickness_m,
         wall_share: 1.0,
+    })
+}
+
+/// Fiber angle that is written for a module, rad; `None` of one without a winding and of one of segments.
+pub(super) fn found_winding(module: &Module, found_rad: f64) -> Option<f64> {
+    let fiber = module.fiber.as_ref().filter(|_| module.segments.is_empty())?;
+    Some(if *module.motion == Motion::Bending { fiber.angle_rad } else { found_rad })
+}
+
+/// Length, m, and fiber angle, rad, that are written for a segment.
+pub(super) fn written_segment(segment: &ModuleSegment, length_m: f64, found_rad: f64) -> (f64, Option<f64>) {
+    let bends = *segment.motion == Motion::Bending;
+    (length_m, segment.fiber.as_ref().map(|fiber| if bends { fiber.angle_rad } else { found_rad }))
+}
+
+/// The mount angle that is written for a module, rad: that of the first part of it that bends, less the direction of that part; its own where none
+/// bends. `found_rad` are those of its parts.
+pub(super) fn turned(module: &Module, found_rad: impl Iterator<Item = f64>) -> f64 {
+    let parts = module.parts();
+    let bends = parts.iter().zip(found_rad).find(|(part, _)| *part.motion == Motion::Bending);
+    bends.map_or(module.mount_angle_rad, |(part, found_rad)| {
+        let angle_rad = found_rad - (part.mount_angle_rad - module.mount_angle_rad);
+        // A scene takes one turn either way.
+        if angle_rad.abs() > TAU { angle_rad - TAU * (angle_rad / TAU).round() } else { angle_rad }
     })
 }

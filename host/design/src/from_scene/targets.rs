@@ -2,11 +2,14 @@
 
 use fra_model::{Motion, StateQuantity};
 
-use super::space::{refuse_restrained, refuse_steering, segment};
+use super::space::{parts, refuse_restrained, refuse_steering, segment};
+use super::error::BriefError;
+use super::task::{Tasked, tasked};
 use crate::actuators as fit;
 use crate::actuators::{Problem, SegmentAnswer};
+use crate::synthesis::{Candidate, Task, Total, WayPoint};
 use softlimb_limb::Limb;
-use softlimb_scene::{Goal, ModuleBounds, Phase, Redesign, RedesignedTarget, Scene, SceneError};
+use softlimb_scene::{Goal, Phase, Redesign, RedesignedTarget, Scene, SceneError};
 
 /// Weights of eq. (14): a millimetre counts as much as a hundredth of a radian, which moves a tip at 100 mm by as much.
 const PER_M2: f64 = 1e6;
@@ -21,11 +24,11 @@ pub fn targets(scene: &Scene) -> Result<Problem, SceneError> {
     refuse_steering(scene)?;
     // A bundle that holds itself is refused before it is searched for.
     refuse_restrained(scene, &Limb::new(scene)?)?;
-    let open = ModuleBounds::default();
-    let bounds = |index: usize| scene.design().and_then(|design| design.modules.get(index)).unwrap_or(&open);
+    scene.require_no_segments("eq. (14)")?;
     let mut segments = Vec::with_capacity(scene.modules().len());
-    for (index, module) in scene.modules().iter().enumerate() {
-        let mut segment = segment(scene, module, bounds(index))?;
+    for part in (0..scene.modules().len()).flat_map(|index| parts(scene, index)) {
+        let (index, module) = (part.module, &part.wound);
+        let mut segment = segment(scene, &part)?;
         let mut held = None;
         for phase in scene.phases() {
             held = goal(scene, phase, index, module.moving_length_m())?.or(held);
@@ -35,6 +38,54 @@ pub fn targets(scene: &Scene) -> Result<Problem, SceneError> {
     }
     let shared = scene.design().is_some_and(|design| design.shared_supply_line);
     Ok(Problem::new(segments, shared))
+}
+
+/// The same of a scene with modules of several segments, as a task whose way-points are the totals of its modules in each phase.
+///
+/// # Errors
+/// As [`targets`], and at the second segment where one supply line has several modules.
+pub fn totals(scene: &Scene) -> Result<Tasked, BriefError> {
+    refuse_steering(scene)?;
+    let limb = Limb::new(scene)?;
+    limb.require_plane_benders(scene, "`design limb` for targets")?;
+    refuse_restrained(scene, &limb)?;
+    if scene.design().is_some_and(|design| design.shared_supply_line) {
+        scene.require_no_segments("one supply line of all modules")?;
+    }
+    let tasked = tasked(scene, |spaces| {
+        let firsts: Vec<usize> = (0..spaces.len()).filter(|index| !spaces[*index].joined).collect();
+        let mut held = vec![None; firsts.len()];
+        let mut way_points = Vec::new();
+        for phase in scene.phases() {
+            for ((index, module), (first, held)) in scene.modules().iter().enumerate().zip(firsts.iter().zip(&mut held)) {
+                let goal = goal(scene, phase, index, module.moving_length_m())?;
+                *held = goal.map(|goal| Total { first: *first, motion: *module.motion, value: goal.value }).or(*held);
+            }
+            way_points.push(WayPoint::with(held.iter().flatten().copied().collect()));
+        }
+        Ok(way_points)
+    })?;
+    // Eq. (14) knows no way and no obstacle; the planner does.
+    Ok(Tasked { task: Task { obstacles: Vec::new(), moves: false, ..tasked.task }, ..tasked })
+}
+
+/// The targets of a limb that was found for [`totals`]: those of the modules that have had one so far.
+pub fn redesigned_totals(scene: &Scene, tasked: &Tasked, limb: &Candidate) -> Vec<Vec<RedesignedTarget>> {
+    let length_m = |index: usize| {
+        let own = limb.modules.iter().zip(&tasked.patterns).filter(|(_, pattern)| **pattern == index);
+        own.map(|(part, _)| part.length_m).sum::<f64>() - 2.0 * scene.modules()[index].end_length_m
+    };
+    let target = |(total, found): (&Total, &f64)| {
+        let index = tasked.patterns[total.first];
+        match total.motion {
+            Motion::Extension => (index, StateQuantity::AxialStretch, found / length_m(index)),
+            Motion::Expansion => (index, StateQuantity::OuterRadius, *found),
+            Motion::Bending => (index, StateQuantity::BendAngle, *found),
+            Motion::Twisting => (index, StateQuantity::Twist, *found),
+        }
+    };
+    let phases = tasked.task.way_points.iter().zip(&limb.way_points);
+    phases.map(|(asked, answer)| asked.totals.iter().zip(&answer.totals).map(target).collect()).collect()
 }
 
 /// The term of one module in one phase.
@@ -77,6 +128,7 @@ pub fn redesigned_targets(scene: &Scene, answer: &fit::Answer) -> (Vec<Redesign>
             radii_m: [segment.inner_radius_m, segment.outer_radius_m],
             length_m: segment.length_m + 2.0 * module.end_length_m,
             winding: module.fiber.as_ref().map(|fiber| angle(*module.motion, segment, fiber.angle_rad)),
+            segments: Vec::new(),
         })
         .collect();
     let values = |phase: usize| {

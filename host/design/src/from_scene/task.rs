@@ -5,11 +5,11 @@ use std::f64::consts::PI;
 use fra_model::Motion;
 
 use super::error::BriefError;
-use super::space::{refuse_restrained, refuse_steering, segment};
+use super::space::{Part, found_winding, parts, refuse_restrained, refuse_steering, segment, turned, written_segment};
 use crate::synthesis::{Aim, Candidate, Direction, Obstacle, Space, Task, WayPoint};
 use softlimb_limb::{Limb, base_pose};
 use softlimb_scene::collision::Shape;
-use softlimb_scene::{Goal, ModuleBounds, Phase, Redesign, Scene, SceneError};
+use softlimb_scene::{Goal, Phase, Redesign, Scene, SceneError};
 
 /// Way-points that a marker series is designed for; the run follows all of it.
 const MARKERS: usize = 12;
@@ -21,7 +21,7 @@ pub(super) const SPARE_M: f64 = 2e-4;
 pub struct Tasked {
     /// What the limb shall do.
     pub task: Task,
-    /// What each module may be, from the base outwards; where kinds and order are chosen, one for each kind.
+    /// What each module and segment may be, from the base outwards; where kinds and order are chosen, one for each kind.
     pub spaces: Vec<Space>,
     /// For each of them the module of the scene that it is made like.
     pub patterns: Vec<usize>,
@@ -38,12 +38,21 @@ pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
     limb.require_plane_benders(scene, "`design limb` for way-points")?;
     // A bundle that holds itself is refused before it is searched for.
     refuse_restrained(scene, &limb)?;
-    let patterns = patterns(scene);
-    let spaces = patterns.iter().map(|index| space(scene, *index)).collect::<Result<Vec<_>, _>>()?;
-    let mut way_points = Vec::new();
-    for phase in scene.phases() {
-        way_points.extend(way_points_of(scene, phase)?);
-    }
+    refuse_chosen_series(scene)?;
+    tasked(scene, |_| {
+        let way_points = scene.phases().iter().map(|phase| way_points_of(scene, phase));
+        Ok(way_points.collect::<Result<Vec<_>, _>>()?.concat())
+    })
+}
+
+/// The task of a scene with way-points that are made for its modules.
+pub(super) fn tasked(
+    scene: &Scene,
+    way_points: impl FnOnce(&[Space]) -> Result<Vec<WayPoint>, SceneError>,
+) -> Result<Tasked, BriefError> {
+    let parts: Vec<Part> = patterns(scene).into_iter().flat_map(|index| parts(scene, index)).collect();
+    let spaces = parts.iter().map(|part| space(scene, part)).collect::<Result<Vec<_>, _>>()?;
+    let way_points = way_points(&spaces)?;
     let limb = scene.limb();
     let tool = limb.end_effector.as_ref();
     // A plate covers its actuators.
@@ -66,7 +75,14 @@ pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
         moves: true,
         from_rest: true,
     };
+    let patterns = parts.iter().map(|part| part.module).collect();
     Ok(Tasked { task, spaces, patterns })
+}
+
+/// Kinds of modules are chosen from modules of one winding along their length.
+fn refuse_chosen_series(scene: &Scene) -> Result<(), SceneError> {
+    let choice = scene.design().and_then(|design| design.choice.as_ref());
+    choice.map_or(Ok(()), |_| scene.require_no_segments("a choice of motions"))
 }
 
 /// The modules to design: those of the scene, or where kinds are chosen the first of each kind that is allowed.
@@ -79,18 +95,17 @@ fn patterns(scene: &Scene) -> Vec<usize> {
     choice.motions.iter().filter_map(first).collect()
 }
 
-fn space(scene: &Scene, index: usize) -> Result<Space, SceneError> {
-    let module = &scene.modules()[index];
-    let open = ModuleBounds::default();
-    let bounds = scene.design().and_then(|design| design.modules.get(index)).unwrap_or(&open);
+fn space(scene: &Scene, part: &Part) -> Result<Space, SceneError> {
+    let module = &part.wound;
     let free = scene.design().is_some_and(|design| design.mount_angle_free);
     let own = module.mount_angle_rad;
     Ok(Space {
-        segment: segment(scene, module, bounds)?,
+        segment: segment(scene, part)?,
         actuators: module.actuators.into(),
         reach_m: module.reach_m(),
         mount_angle_rad: if free { [own - PI, own + PI] } else { [own; 2] },
-        end_m: module.end_length_m,
+        ends_m: part.ends_m,
+        joined: part.joined,
         density_kg_per_m3: module.density_kg_per_m3,
     })
 }
@@ -118,7 +133,7 @@ fn way_points_of(scene: &Scene, phase: &Phase) -> Result<Vec<WayPoint>, SceneErr
     };
     let direction =
         phase.aim.map(|aim| Direction { axis: aim.direction.value.into(), tolerance_rad: aim.tolerance_rad });
-    Ok(aims.into_iter().map(|aim| WayPoint { aim, weight: 1.0, direction }).collect())
+    Ok(aims.into_iter().map(|aim| WayPoint { aim: Some(aim), direction, ..WayPoint::with(Vec::new()) }).collect())
 }
 
 /// How far inside of a region a design puts the tip, m: a limb that only just touches it leaves nothing for inverse kinematics to find.
@@ -149,26 +164,31 @@ fn markers(scene: &Scene) -> Vec<Aim> {
 pub fn redesigned_limb(scene: &Scene, tasked: &Tasked, candidate: &Candidate) -> Vec<Redesign> {
     let chosen = scene.design().is_some_and(|design| design.choice.is_some());
     let modules = candidate.modules.iter().enumerate();
-    modules
-        .map(|(index, found)| {
-            let space = tasked.spaces.iter().position(|space| space.segment.name == found.name).unwrap_or(index);
-            let pattern = &scene.modules()[tasked.patterns[space]];
-            Redesign {
-                name: if chosen { format!("{}-{}", pattern.motion.name(), index + 1) } else { found.name.clone() },
-                like: pattern.name.to_string(),
-                motion: pattern.motion.name(),
-                bundle: (pattern.actuators, pattern.arrangement),
-                mount_angle_rad: if *pattern.motion == Motion::Bending {
-                    found.mount_angle_rad
-                } else {
-                    pattern.mount_angle_rad
-                },
-                radii_m: [found.inner_radius_m, found.outer_radius_m],
-                length_m: found.length_m,
-                winding: pattern.fiber.as_ref().map(|fiber| {
-                    if *pattern.motion == Motion::Bending { fiber.angle_rad } else { found.fiber_angle_rad }
-                }),
-            }
-        })
-        .collect()
+    let described = modules.map(|(index, found)| {
+        let space = tasked.spaces.iter().position(|space| space.segment.name == found.name).unwrap_or(index);
+        (index, found, &scene.modules()[tasked.patterns[space]], tasked.spaces[space].joined)
+    });
+    let mut redesigns: Vec<Redesign> = Vec::with_capacity(scene.modules().len());
+    for (index, found, pattern, joined) in described {
+        if let Some(redesign) = redesigns.last_mut().filter(|_| joined) {
+            redesign.length_m += found.length_m;
+            let segment = &pattern.segments[redesign.segments.len()];
+            redesign.segments.push(written_segment(segment, found.length_m, found.fiber_angle_rad));
+            continue;
+        }
+        let segment = pattern.segments.first();
+        let segment = segment.map(|segment| written_segment(segment, found.length_m, found.fiber_angle_rad));
+        redesigns.push(Redesign {
+            name: if chosen { format!("{}-{}", pattern.motion.name(), index + 1) } else { pattern.name.to_string() },
+            like: pattern.name.to_string(),
+            motion: pattern.motion.name(),
+            bundle: (pattern.actuators, pattern.arrangement),
+            mount_angle_rad: turned(pattern, candidate.modules[index..].iter().map(|part| part.mount_angle_rad)),
+            radii_m: [found.inner_radius_m, found.outer_radius_m],
+            length_m: found.length_m,
+            winding: found_winding(pattern, found.fiber_angle_rad),
+            segments: segment.into_iter().collect(),
+        });
+    }
+    redesigns
 }

@@ -63,7 +63,7 @@ pub fn active_bounds(
             let by = by * (high - low);
             // A size stays positive, and a length more than what its ends take.
             let ends_m =
-                variable.module.filter(|_| variable.name == "length").map(|index| 2.0 * space.modules[index].end_m);
+                variable.module.filter(|_| variable.name == "length").map(|index| space.modules[index].capped_m());
             let least = ends_m.unwrap_or(0.0);
             let bounds =
                 if at_high { [low, high + by] } else { [(low - by).max(least + 0.25 * (low - least).abs()), high] };

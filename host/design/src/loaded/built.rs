@@ -13,7 +13,7 @@ use super::task::LoadedTask;
 use softlimb_fea::cross_section::BendingLaw;
 use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, LoadedLimb, Piece, Rod, Spring};
 
-/// One module of it.
+/// One module of it, or one segment of its actuator.
 #[derive(Clone, Debug)]
 pub(super) struct BuiltModule {
     motion: Motion,
@@ -40,6 +40,10 @@ pub(super) struct BuiltModule {
     pub(super) radius_m: f64,
     /// Length of the rigid part behind it but for the tool, m: a connector between two ends.
     pub(super) connector_m: f64,
+    /// Mass of the connector, kg.
+    connector_kg: f64,
+    /// Whether it is a segment of the actuator before it.
+    joined: bool,
 }
 
 /// A limb of certain sizes. Pressures, one a drive, are shares of the highest that keep the margin.
@@ -47,12 +51,10 @@ pub(super) struct BuiltModule {
 pub struct Built {
     base: Isometry3<f64>,
     pub(super) modules: Vec<BuiltModule>,
-    /// The module of each drive.
+    /// The module of each drive, or the first of the segments that it drives.
     owners: Vec<usize>,
     /// The reserve that its pressures keep.
     pub(super) reserve: f64,
-    /// Mass of a connector, kg.
-    connector_kg: f64,
     /// Length and mass of the tool, m and kg.
     tool: [f64; 2],
     /// Length at rest from base to tip, m.
@@ -73,12 +75,14 @@ impl Built {
         reserve: f64,
         (near, near_sizes): (&Self, &LimbSizes),
     ) -> Option<Self> {
-        let same = |index: usize| {
+        let alike = |index: usize| {
             sizes.modules[index] == near_sizes.modules[index]
                 && reserve == near.reserve
                 && space.modules[index].pressure_max_pa == near.modules[index].pressure_max_pa
                 && space.modules[index].laws == near.modules[index].laws
         };
+        // Segments share the highest pressure.
+        let same = |index: usize| near.chamber(index).all(alike);
         Self::with(task, space, sizes, reserve, |index| same(index).then(|| near.modules[index].clone()))
     }
 
@@ -103,7 +107,9 @@ impl Built {
             };
             let arrangement = module.arrangement(size);
             let moving_m = module.moving_m(size);
-            let next_m = space.modules.get(index + 1).map_or(0.0, |next| next.end_m);
+            let next = space.modules.get(index + 1);
+            let joint = next.is_some_and(|next| next.joined);
+            let next_m = next.map_or(0.0, |next| next.ends_m[0]);
             let [inner_m, outer_m] = size.radii_m;
             let section_m2 = PI * (outer_m - inner_m) * (outer_m + inner_m);
             modules.push(BuiltModule {
@@ -122,19 +128,38 @@ impl Built {
                 between_kg: f64::from(module.actuators) * section_m2 * size.length_m * module.density_kg_per_m3
                     + f64::from(size.spacers) * module.spacer_kg,
                 radius_m: arrangement.reach_m(module.actuators) + outer_m,
-                connector_m: module.end_m + task.connector_m + next_m,
+                connector_m: if joint { 0.0 } else { module.ends_m[1] + task.connector_m + next_m },
+                connector_kg: if joint { 0.0 } else { task.connector_kg },
+                joined: module.joined,
             });
         }
-        let rigid_m = modules.len() as f64 * task.connector_m + task.tool_m[0];
-        Some(Self {
+        let connectors = modules.iter().filter(|module| !module.joined).count();
+        let rigid_m = connectors as f64 * task.connector_m + task.tool_m[0];
+        let mut built = Self {
             base: space.base(sizes),
             length_m: sizes.modules.iter().map(|module| module.length_m).sum::<f64>() + rigid_m,
             modules,
             owners: space.owners(),
             reserve,
-            connector_kg: task.connector_kg,
             tool: [task.tool_m[0], task.tool_kg],
-        })
+        };
+        for index in 0..built.modules.len() {
+            let spans_pa = built.modules[built.chamber(index)].iter().map(|module| module.span_pa);
+            built.modules[index].span_pa = spans_pa.fold(f64::INFINITY, f64::min);
+        }
+        Some(built)
+    }
+
+    /// The segments of the actuator that a module is of: itself alone, where it is no segment.
+    fn chamber(&self, index: usize) -> Range<usize> {
+        let first = self.first(index);
+        let more = self.modules[first + 1..].iter().take_while(|module| module.joined).count();
+        first..first + 1 + more
+    }
+
+    /// The first segment of the actuator that a module is of.
+    fn first(&self, index: usize) -> usize {
+        (0..=index).rev().find(|index| !self.modules[*index].joined).unwrap_or(0)
     }
 
     /// Motion of a module.
@@ -152,15 +177,16 @@ impl Built {
         self.owners.len()
     }
 
-    /// The module of a drive.
-    pub(super) fn owner(&self, drive: usize) -> usize {
-        self.owners[drive]
+    /// The module of a drive, or the segments that it drives.
+    pub(super) fn driven(&self, drive: usize) -> Range<usize> {
+        self.chamber(self.owners[drive])
     }
 
-    /// The drives of a module.
+    /// The drives of a module; segments of one actuator have the same.
     pub(super) fn drives_of(&self, module: usize) -> Range<usize> {
-        let first = |module: usize| self.owners.partition_point(|owner| *owner < module);
-        first(module)..first(module + 1)
+        let first = self.first(module);
+        let from = |module: usize| self.owners.partition_point(|owner| *owner < module);
+        from(first)..from(first + 1)
     }
 
     /// Pressures of shares, Pa.
@@ -171,7 +197,8 @@ impl Built {
     /// Mass without payload, kg.
     pub fn mass_kg(&self) -> f64 {
         let walls: f64 = self.modules.iter().map(|module| module.between_kg).sum();
-        walls + self.modules.len() as f64 * self.connector_kg + self.tool[1]
+        let connectors: f64 = self.modules.iter().map(|module| module.connector_kg).sum();
+        walls + connectors + self.tool[1]
     }
 
     /// The bundle of a module at shares of its pressures, one a drive of it; `None` where it has no equilibrium.
@@ -187,7 +214,7 @@ impl Built {
     pub(super) fn piece(&self, index: usize, bundle: &Bundle, payload_kg: f64) -> Piece {
         let module = &self.modules[index];
         let mut rigid_m = module.connector_m;
-        let mut masses = vec![(0.5 * rigid_m, self.connector_kg)];
+        let mut masses = vec![(0.5 * rigid_m, module.connector_kg)];
         if index + 1 == self.modules.len() {
             let [tool_m, tool_kg] = self.tool;
             masses.push((rigid_m + 0.5 * tool_m, tool_kg));

@@ -218,11 +218,12 @@ pub(super) fn tip_jacobian(built: &Built, here: &Stand, kg: f64) -> Option<Jacob
         let sign = if here.shares[drive] < 0.5 { STEP } else { -STEP };
         let mut shares = here.shares.clone();
         shares[drive] += sign;
-        let module = built.owner(drive);
-        let bundle = built.bundle(module, &shares[built.drives_of(module)])?;
-        let bundle = bundle.strained(built.motion(module), &strains[module])?;
         let mut rod = here.rod.clone();
-        rod.pieces[module] = built.piece(module, &bundle, kg);
+        for module in built.driven(drive) {
+            let bundle = built.bundle(module, &shares[built.drives_of(module)])?;
+            let bundle = bundle.strained(built.motion(module), &strains[module])?;
+            rod.pieces[module] = built.piece(module, &bundle, kg);
+        }
         Some(responding.to(&rod).0 / sign)
     };
     let columns = (0..count).map(column).collect::<Option<Vec<_>>>()?;

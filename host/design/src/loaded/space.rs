@@ -29,7 +29,7 @@ pub struct BaseSpace {
     pub pitch_rad: Bounds,
 }
 
-/// What one module may be.
+/// What one module, or one segment of its actuator, may be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModuleSpace {
     /// Its name.
@@ -54,10 +54,13 @@ pub struct ModuleSpace {
     pub inner_radius_m: Bounds,
     /// Bounds of the wall, m; > 0.
     pub wall_m: Bounds,
-    /// Bounds of the length, m; > twice the end length.
+    /// Bounds of the length, m; more than its ends.
     pub length_m: Bounds,
-    /// Length at each end that its cap takes out of the motion, m; >= 0.
-    pub end_m: f64,
+    /// Lengths at the base and at the tip that caps take out of the motion, m; >= 0.
+    pub ends_m: [f64; 2],
+    /// Whether it is a segment of the actuator that the space before it is of. They share radii and pressure, a free mount angle turns both alike, and
+    /// nothing rigid is between them; their bounds of radii are the same.
+    pub joined: bool,
     /// Bounds of the fiber angle, rad; unused for bending.
     pub angle_rad: Bounds,
     /// Bounds of the circle's radius or of the distance of neighbours in the row, m. Actuators never overlap, whatever this says.
@@ -143,9 +146,13 @@ impl LimbSpace {
         open.map(|(module, name, bounds)| Variable { module, name, bounds }).collect()
     }
 
-    /// The module of each drive: of a module, or of an actuator of a steering one.
+    /// The module of each drive: of a module, the first of the segments of an actuator, or of an actuator of a steering one.
     pub(super) fn owners(&self) -> Vec<usize> {
-        let drives = |module: &ModuleSpace| if module.steering { usize::from(module.actuators) } else { 1 };
+        let drives = |module: &ModuleSpace| match module {
+            ModuleSpace { joined: true, .. } => 0,
+            ModuleSpace { steering: true, actuators, .. } => usize::from(*actuators),
+            _ => 1,
+        };
         let owners = self.modules.iter().enumerate();
         owners.flat_map(|(index, module)| std::iter::repeat_n(index, drives(module))).collect()
     }
@@ -158,7 +165,11 @@ impl LimbSpace {
             |bounds: Bounds| if bounds[1] > bounds[0] { at(bounds, shares.next().unwrap_or(0.5)) } else { bounds[0] };
         let position_m = self.base.position_m.map(&mut next);
         let pitch_rad = next(self.base.pitch_rad);
-        let modules: Vec<ModuleSizes> = self.modules.iter().map(|module| module.sizes(&mut next)).collect();
+        let mut modules: Vec<ModuleSizes> = Vec::with_capacity(self.modules.len());
+        for (index, module) in self.modules.iter().enumerate() {
+            let before = modules.last().filter(|_| module.joined).map(|sizes| (&self.modules[index - 1], *sizes));
+            modules.push(module.sizes(&mut next, before));
+        }
         let home = self.owners().iter().map(|_| next([0.0, 1.0])).collect();
         LimbSizes { position_m, pitch_rad, modules, home }
     }
@@ -179,6 +190,14 @@ impl LimbSpace {
         let sizes = space.modules.iter_mut().flat_map(ModuleSpace::axes_mut);
         let open = base.map(Some).chain(sizes).flatten().filter(|[low, high]| high > low);
         open.skip(variable).take(1).for_each(|old| *old = bounds);
+        for index in 1..space.modules.len() {
+            let [.., before, own] = &mut space.modules[..=index] else { break };
+            if own.joined {
+                (own.inner_radius_m, own.wall_m) = (before.inner_radius_m, before.wall_m);
+                own.mount_angle_rad =
+                    before.mount_angle_rad.map(|angle| angle + own.mount_angle_rad[0] - before.mount_angle_rad[0]);
+            }
+        }
         let modules = space.modules.iter_mut().zip(&self.modules);
         modules.filter(|(own, before)| own != before).for_each(|(own, _)| own.forget_laws());
         space
@@ -234,7 +253,7 @@ impl LimbSpace {
     /// Pose of the start of the part that moves: behind the first end.
     pub fn base(&self, sizes: &LimbSizes) -> Isometry3<f64> {
         let [direction, up] = self.directions(sizes.pitch_rad);
-        let end_m = self.modules.first().map_or(0.0, |module| module.end_m);
+        let end_m = self.modules.first().map_or(0.0, |module| module.ends_m[0]);
         base_pose(sizes.position_m, direction, up) * Translation3::new(0.0, 0.0, end_m)
     }
 
@@ -253,27 +272,34 @@ impl ModuleSpace {
         // A bender keeps the angle of its winding.
         let angle_rad = if self.motion == Motion::Bending { [self.angle_rad[0]; 2] } else { self.angle_rad };
         let spread_m = if self.actuators == 1 { [0.0; 2] } else { self.spread_m };
+        // Those of the segment before are this one's.
+        let own = |bounds: Bounds| if self.joined { [bounds[0]; 2] } else { bounds };
         [
-            ("inner_radius", self.inner_radius_m),
-            ("wall", self.wall_m),
+            ("inner_radius", own(self.inner_radius_m)),
+            ("wall", own(self.wall_m)),
             ("length", self.length_m),
             ("fiber_angle", angle_rad),
             (if self.in_row { "spacing" } else { "circle_radius" }, spread_m),
-            ("mount_angle", self.mount_angle_rad),
+            ("mount_angle", own(self.mount_angle_rad)),
         ]
     }
 
     /// The bounds of [`axes`](Self::axes), in their order; `None` for those that are none of it.
     fn axes_mut(&mut self) -> [Option<&mut Bounds>; 6] {
-        let (wound, many) = (self.motion != Motion::Bending, self.actuators != 1);
+        let (wound, many, own) = (self.motion != Motion::Bending, self.actuators != 1, !self.joined);
         [
-            Some(&mut self.inner_radius_m),
-            Some(&mut self.wall_m),
+            own.then_some(&mut self.inner_radius_m),
+            own.then_some(&mut self.wall_m),
             Some(&mut self.length_m),
             wound.then_some(&mut self.angle_rad),
             many.then_some(&mut self.spread_m),
-            Some(&mut self.mount_angle_rad),
+            own.then_some(&mut self.mount_angle_rad),
         ]
+    }
+
+    /// Length that its caps take out of the motion, m.
+    pub(super) fn capped_m(&self) -> f64 {
+        self.ends_m.iter().sum()
     }
 
     /// Discards the laws, which hold for the bounds and the pressure that they were made for.
@@ -281,16 +307,18 @@ impl ModuleSpace {
         self.laws = self.laws.as_ref().map(|_| Laws::default());
     }
 
-    fn sizes(&self, mut next: impl FnMut(Bounds) -> f64) -> ModuleSizes {
+    /// `before` is the segment of the same actuator before it, with its sizes.
+    fn sizes(&self, mut next: impl FnMut(Bounds) -> f64, before: Option<(&Self, ModuleSizes)>) -> ModuleSizes {
         let [inner, wall, length, angle, spread, mount] = self.axes().map(|(_, bounds)| bounds);
         let [inner_m, wall_m, length_m, angle_rad] = [inner, wall, length, angle].map(&mut next);
-        let outer_m = inner_m + wall_m;
+        let [inner_m, outer_m] = before.map_or([inner_m, inner_m + wall_m], |(_, sizes)| sizes.radii_m);
         // Its range begins where the actuators have room, so that sizes have no kink there.
         let least_m = if self.actuators == 1 { 0.0 } else { self.least_spread_m(outer_m) };
         let share = if spread[1] > spread[0] { (next(spread) - spread[0]) / (spread[1] - spread[0]) } else { 0.0 };
         let spread_m = at([spread[0].max(least_m), spread[1].max(least_m)], share);
-        let mount_angle_rad = next(mount);
-        let spacers = (((length_m - 2.0 * self.end_m) / self.bay_m).ceil() - 1.0).clamp(0.0, 50.0) as u8;
+        let turned = |(before, sizes): (&Self, ModuleSizes)| sizes.mount_angle_rad - before.mount_angle_rad[0];
+        let mount_angle_rad = next(mount) + before.map_or(0.0, turned);
+        let spacers = (((length_m - self.capped_m()) / self.bay_m).ceil() - 1.0).clamp(0.0, 50.0) as u8;
         ModuleSizes { radii_m: [inner_m, outer_m], length_m, angle_rad, spread_m, spacers, mount_angle_rad }
     }
 
@@ -301,7 +329,7 @@ impl ModuleSpace {
     }
 
     /// Places of its actuators.
-    pub(super) fn arrangement(&self, sizes: &ModuleSizes) -> Arrangement<f64> {
+    pub(crate) fn arrangement(&self, sizes: &ModuleSizes) -> Arrangement<f64> {
         if self.in_row {
             Arrangement::Row { spacing_m: sizes.spread_m }
         } else {
@@ -311,7 +339,7 @@ impl ModuleSpace {
 
     /// Length of the part that moves, m.
     pub(super) fn moving_m(&self, sizes: &ModuleSizes) -> f64 {
-        sizes.length_m - 2.0 * self.end_m
+        sizes.length_m - self.capped_m()
     }
 
     /// One of its actuators, as long as the part that moves, by the analytic model; of a bender without its second winding. `None` where the model refuses it.
@@ -326,7 +354,7 @@ impl ModuleSpace {
 
     /// A bender of inner and outer radius, m, and its second winding, for finite elements of its section. These have no length.
     pub(crate) fn wound(&self, radii_m: [f64; 2]) -> (ActuatorParameters<f64>, Option<Fiber<f64>>) {
-        let geometry = geometry(radii_m, self.length_m[0] - 2.0 * self.end_m, self.angle_rad[0]);
+        let geometry = geometry(radii_m, self.length_m[0] - self.capped_m(), self.angle_rad[0]);
         (self.parameters(&geometry), self.second_fiber(&geometry))
     }
 

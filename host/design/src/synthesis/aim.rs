@@ -26,11 +26,12 @@ pub(super) fn missed(tip: &Vector3<f64>, aim: &Aim) -> Vector3<f64> {
 pub(super) fn aim(chain: &Chain, way_point: &WayPoint, rows: &mut Rows) {
     let last = chain.joints.len() - 1;
     let scale = way_point.weight.sqrt() * MM;
-    let away = missed(&chain.tip, &way_point.aim);
-    for axis in 0..3 {
+    let axes = if way_point.aim.is_some() { 0..3 } else { 0..0 };
+    let away = way_point.aim.as_ref().map_or_else(Vector3::zeros, |aim| missed(&chain.tip, aim));
+    for axis in axes {
         let mut normal = Vector3::ith(axis, 1.0);
         let mut residual = away[axis];
-        if let Aim::Inside { rotation, .. } = &way_point.aim {
+        if let Some(Aim::Inside { rotation, .. }) = &way_point.aim {
             // Along the box's own axes: inside of it nothing is asked along that axis.
             normal = rotation * normal;
             residual = away.dot(&normal);

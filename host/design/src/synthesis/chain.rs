@@ -4,6 +4,7 @@ use fra_model::Segment;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 
 use super::arc::Arc;
+use super::response::{FIELDS, RADIUS};
 use super::task::Task;
 use softlimb_scene::collision::Body;
 
@@ -12,11 +13,11 @@ pub(super) const COLUMNS: usize = 7;
 /// Index of the mount angle.
 pub(super) const MOUNT: usize = 4;
 
-/// The shape of one module: length of its centre line (m), bend and twist (rad), radius of its body (m); with derivatives.
+/// The shape of one module: length of its centre line (m), bend and twist (rad), radius of its body (m), pressure (Pa); with derivatives.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Bundle {
-    pub(super) value: [f64; 4],
-    pub(super) by: [[f64; COLUMNS]; 4],
+    pub(super) value: [f64; FIELDS],
+    pub(super) by: [[f64; COLUMNS]; FIELDS],
     pub(super) mount_angle_rad: f64,
     /// Its derivative by its variable.
     pub(super) by_mount: f64,
@@ -62,7 +63,7 @@ impl Chain {
         let mut start = base.translation.vector;
         let mut rotation: Matrix3<f64> = base.rotation.to_rotation_matrix().into_inner();
         for bundle in bundles {
-            let [length, bend, twist, _] = bundle.value;
+            let [length, bend, twist, ..] = bundle.value;
             let arc = Arc::new(length, bend, twist);
             let mount = Rotation3::from_axis_angle(&Vector3::z_axis(), bundle.mount_angle_rad).into_inner();
             let frame = rotation * mount;
@@ -89,7 +90,7 @@ impl Chain {
     pub(super) fn body(&self, task: &Task, start: &Isometry3<f64>) -> Body {
         let mut body = Body::new(start);
         for joint in &self.joints {
-            let [length_m, bend_angle_rad, twist_rad, radius] = joint.bundle.value;
+            let [length_m, bend_angle_rad, twist_rad, radius, _] = joint.bundle.value;
             let segment = Segment { length_m, bend_angle_rad, twist_rad };
             body.module(&segment, joint.bundle.mount_angle_rad, radius);
             let [connector_m, tool_m] = joint.bundle.rigid_m;
@@ -124,11 +125,16 @@ impl Chain {
 impl Joint {
     /// Radius of the body of the module, m, and its derivatives.
     pub(super) fn radius(&self) -> (f64, &[f64; COLUMNS]) {
-        (self.bundle.value[3], &self.bundle.by[3])
+        (self.bundle.value[RADIUS], &self.bundle.by[RADIUS])
     }
 
-    /// Length of the centre line (m), bend and twist (rad), and radius of the body (m).
-    pub(super) fn values(&self) -> &[f64; 4] {
+    /// The derivatives of one of its [`values`](Self::values).
+    pub(super) fn slopes(&self, field: usize) -> &[f64; COLUMNS] {
+        &self.bundle.by[field]
+    }
+
+    /// Length of the centre line (m), bend and twist (rad), radius of the body (m), and pressure (Pa).
+    pub(super) fn values(&self) -> &[f64; FIELDS] {
         &self.bundle.value
     }
 
@@ -144,7 +150,7 @@ impl Joint {
 
     /// The point of the centre line at a share of its length.
     pub(super) fn point(&self, share: f64) -> Vector3<f64> {
-        let [length, bend, twist, _] = self.bundle.value;
+        let [length, bend, twist, ..] = self.bundle.value;
         self.start + self.frame * super::arc::point(length * share, bend * share, twist * share)
     }
 
@@ -162,7 +168,7 @@ impl Joint {
 
     /// A point of this module's own centre line.
     fn within(&self, share: f64, point: &Vector3<f64>, normal: &Vector3<f64>, columns: &mut [f64]) {
-        let [length, bend, twist, _] = self.bundle.value;
+        let [length, bend, twist, ..] = self.bundle.value;
         let arc = Arc::new(length * share, bend * share, twist * share);
         let local = self.frame.tr_mul(normal);
         let rates = arc.by.map(|by| share * by.dot(&local));

@@ -146,6 +146,7 @@ pub fn choose(
 ) -> Result<Choice, TaskError> {
     task.check()?;
     kinds.iter().try_for_each(Space::check)?;
+    kinds.iter().try_for_each(|kind| kind.check_joint(None))?;
     let [least, most] = choosing.modules;
     count("kinds of modules", kinds.len(), 1..=16)?;
     count("modules", least, 1..=MOST_MODULES)?;

@@ -37,15 +37,17 @@ pub(super) fn confirm(exact: &Exact, sections: &[Space]) -> Result<Candidate, Ta
     let mut made = Vec::new();
     for (module, space) in final_spaces.iter().enumerate() {
         let section = Section::new(space, &[0.5; 4]).map_err(|reason| refused(space, reason))?;
-        let next_m = final_spaces.get(module + 1).map(|next| next.end_m);
+        let next = final_spaces.get(module + 1).map(Space::behind);
         made.push(Made {
             section,
             density_kg_per_m3: space.density_kg_per_m3,
             actuators: space.actuators,
             name: &space.segment.name,
             mount_angle_rad: layout.mount_angle_rad(&exact.place, module),
-            rigid_m: task.rigid_parts_m(space.end_m, next_m),
-            end_m: space.end_m,
+            rigid_m: task.rigid_parts_m(space.ends_m[1], next),
+            rigid_kg: if next.is_some_and(|next| next.joined) { 0.0 } else { task.rigid_mass_kg[0] },
+            ends_m: space.ends_m,
+            joined: space.joined,
         });
     }
     let curves = exact.objective.curves(&exact.place);
@@ -53,12 +55,9 @@ pub(super) fn confirm(exact: &Exact, sections: &[Space]) -> Result<Candidate, Ta
     let mut shapes = Vec::new();
     let mut spare = None;
     for to in 0..task.way_points.len() {
-        let states = made
-            .iter()
-            .enumerate()
-            .map(|(module, made)| made.pressed(exact.place[layout.share(to, module)]))
-            .collect::<Option<Vec<_>>>();
-        let states = states.ok_or_else(|| refused(&final_spaces[0], "a deformation found has no pressure"))?;
+        let shares: Vec<f64> = (0..made.len()).map(|module| exact.place[layout.share(to, module)]).collect();
+        let states =
+            pressed(&made, &shares).ok_or_else(|| refused(&final_spaces[0], "a deformation found has no pressure"))?;
         let shape = Shape::new(task, &made, states);
         let mut answer = shape.answer(task, &made, to);
         let nearest = nearest(exact, &curves, to);
@@ -69,10 +68,29 @@ pub(super) fn confirm(exact: &Exact, sections: &[Space]) -> Result<Candidate, Ta
         way_points.push(answer);
         shapes.push(shape);
     }
-    let modules: Vec<ModuleDesign> = made.iter().map(|made| made.design(task)).collect();
+    let modules: Vec<ModuleDesign> = made.iter().map(Made::design).collect();
     let figures = figures(task, &made, &modules, &way_points, &shapes, spare);
     let objective_mm2 = objective(task, &way_points, &shapes);
     Ok(Candidate { modules, way_points, figures, objective_mm2, shortfall: None, evaluations: 0 })
+}
+
+/// The forward solutions at the pressures of shares; segments of one actuator have the mean of theirs. `None` where a share has no pressure.
+fn pressed(made: &[Made], shares: &[f64]) -> Option<Vec<State<f64>>> {
+    let pressures_pa: Vec<f64> =
+        made.iter().zip(shares).map(|(made, share)| made.pressure_pa(*share)).collect::<Option<_>>()?;
+    let mut states = Vec::with_capacity(made.len());
+    let mut first = 0;
+    while first < made.len() {
+        let segments = made[first + 1..].iter().take_while(|made| made.joined).count() + 1;
+        let chamber = first..first + segments;
+        let mean_pa = pressures_pa[chamber.clone()].iter().sum::<f64>() / segments as f64;
+        let cap_pa = made[chamber.clone()].iter().map(|made| made.section.cap_pa()).fold(f64::INFINITY, f64::min);
+        for made in &made[chamber] {
+            states.push(made.section.at(mean_pa.min(cap_pa))?);
+        }
+        first += segments;
+    }
+    Some(states)
 }
 
 /// For every obstacle the least clearance beyond what is required and the least clearance, m: at a way-point, or along the move to it.

@@ -126,7 +126,8 @@ pub fn space(motion: Motion) -> Space {
         },
         actuators: if motion == Motion::Twisting { 1 } else { 3 },
         reach_m: if motion == Motion::Twisting { 0.0 } else { 25e-3 },
-        end_m: 0.0,
+        ends_m: [0.0; 2],
+        joined: false,
         mount_angle_rad: [-PI, PI],
         density_kg_per_m3: 1080.0,
     }

@@ -44,11 +44,19 @@ impl Layout {
             let [x, y, z] = section_widths(space);
             let length = space.segment.axis(2);
             let turns = if space.motion() == Motion::Bending { mount[1] } else { 0.0 };
-            let common = [x, y, z, length[1], turns].map(|width| {
-                let index = layout.shared;
-                layout.shared += usize::from(width > 0.0);
-                (width > 0.0).then_some(index)
-            });
+            // A segment shares the sizes of the section, and the turn of the first that bends.
+            let before = layout.common.last().copied().filter(|_| space.joined);
+            let turned = before.and_then(|before| before[MOUNT]);
+            let known = [before.map(|before| before[0]), before.map(|before| before[1]), None, None, turned.map(Some)];
+            let widths = [x, y, z, length[1], turns].into_iter().zip(known);
+            let mut common = [None; FIXED];
+            for (own, (width, known)) in common.iter_mut().zip(widths) {
+                *own = known.unwrap_or_else(|| {
+                    let index = layout.shared;
+                    layout.shared += usize::from(width > 0.0);
+                    (width > 0.0).then_some(index)
+                });
+            }
             layout.common.push(common);
             layout.axes.push([length, mount]);
             layout.free_mount.push(free);

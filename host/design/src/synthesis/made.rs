@@ -7,7 +7,7 @@ use super::aim::{MM, missed};
 use super::candidate::{ModuleDesign, WayPointAnswer};
 use super::points::body_points;
 use super::response::Section;
-use super::task::{Obstacle, Task};
+use super::task::{Obstacle, Task, Total, WayPoint};
 use softlimb_scene::collision::Body;
 
 /// One module as it will be made.
@@ -19,8 +19,12 @@ pub(super) struct Made<'a> {
     pub(super) mount_angle_rad: f64,
     /// Lengths of the rigid parts behind it, m: connector with ends, and tool.
     pub(super) rigid_m: [f64; 2],
-    /// Length of an end, m.
-    pub(super) end_m: f64,
+    /// Mass of the connector behind it, kg; 0 before a segment of the same actuator.
+    pub(super) rigid_kg: f64,
+    /// Lengths of its ends at the base and at the tip, m.
+    pub(super) ends_m: [f64; 2],
+    /// Whether it is a segment of the actuator before it.
+    pub(super) joined: bool,
 }
 
 /// The limb in one configuration, by the kinematics of the model.
@@ -36,9 +40,9 @@ pub(super) struct Shape {
 }
 
 impl Made<'_> {
-    /// The forward solution at the pressure of a share.
-    pub(super) fn pressed(&self, share: f64) -> Option<State<f64>> {
-        self.section.at(self.section.state(share)?.pressure_pa.max(0.0))
+    /// The pressure of a share, Pa.
+    pub(super) fn pressure_pa(&self, share: f64) -> Option<f64> {
+        Some(self.section.state(share)?.pressure_pa.max(0.0))
     }
 
     /// Length of the part that moves, m.
@@ -46,9 +50,9 @@ impl Made<'_> {
         self.section.candidate.geometry.length_m
     }
 
-    /// Length with both ends, m.
+    /// Length with its ends, m.
     fn whole_m(&self) -> f64 {
-        self.length_m() + 2.0 * self.end_m
+        self.length_m() + self.ends_m.iter().sum::<f64>()
     }
 
     pub(super) fn wall_volume_m3(&self) -> f64 {
@@ -56,7 +60,7 @@ impl Made<'_> {
         std::f64::consts::PI * (geometry.outer_radius_m.powi(2) - geometry.inner_radius_m.powi(2)) * self.whole_m()
     }
 
-    pub(super) fn design(&self, task: &Task) -> ModuleDesign {
+    pub(super) fn design(&self) -> ModuleDesign {
         let geometry = &self.section.candidate.geometry;
         let elastomer = self.wall_volume_m3() * self.density_kg_per_m3 * f64::from(self.actuators);
         ModuleDesign {
@@ -68,7 +72,7 @@ impl Made<'_> {
             fiber_angle_rad: geometry.angle_rad,
             mount_angle_rad: if self.section.motion() == Motion::Bending { self.mount_angle_rad } else { 0.0 },
             pressure_cap_pa: self.section.cap_pa(),
-            mass_kg: elastomer + task.rigid_mass_kg[0],
+            mass_kg: elastomer + self.rigid_kg,
         }
     }
 
@@ -84,7 +88,7 @@ impl Made<'_> {
 
 impl Shape {
     pub(super) fn new(task: &Task, made: &[Made], states: Vec<State<f64>>) -> Self {
-        let start = task.start(made.first().map_or(0.0, |first| first.end_m));
+        let start = task.start(made.first().map_or(0.0, |first| first.ends_m[0]));
         let mut body = Body::new(&start);
         let mut tip = start;
         let mut links = Vec::new();
@@ -107,6 +111,7 @@ impl Shape {
 
     pub(super) fn answer(&self, task: &Task, made: &[Made], to: usize) -> WayPointAnswer {
         let way_point = &task.way_points[to];
+        let totals: Vec<f64> = way_point.totals.iter().map(|total| self.total(made, total)).collect();
         let tip = self.tip.translation.vector;
         let axis = self.tip.rotation * Vector3::z();
         let clearances: Vec<_> = task
@@ -121,7 +126,8 @@ impl Shape {
             deformation: made.iter().zip(&self.states).map(|(made, state)| made.deformation(state)).collect(),
             tip_m: tip.into(),
             axis: axis.into(),
-            tip_error_m: missed(&tip, &way_point.aim).norm(),
+            tip_error_m: self.missed_m(way_point, &totals),
+            totals,
             direction_error_rad: way_point.direction.map_or(0.0, |direction| {
                 (2.0 * (0.5 * (axis - direction.axis).norm()).min(1.0).asin() - direction.tolerance_rad).max(0.0)
             }),
@@ -129,6 +135,26 @@ impl Shape {
             nearest_obstacle: nearest.map(|(obstacle, _)| obstacle.name.clone()),
             move_clearance_m: None,
         }
+    }
+
+    /// A deformation of a module, of its segments all together, m or rad.
+    fn total(&self, made: &[Made], total: &Total) -> f64 {
+        let segments = made[total.first + 1..].iter().take_while(|made| made.joined).count() + 1;
+        let own = total.first..total.first + segments;
+        let sum = |of: fn(&Segment<f64>) -> f64| self.links[own.clone()].iter().map(|(link, _)| of(&link.segment)).sum();
+        match total.motion {
+            Motion::Extension => sum(|segment| segment.length_m),
+            Motion::Bending => sum(|segment| segment.bend_angle_rad),
+            Motion::Twisting => sum(|segment| segment.twist_rad),
+            Motion::Expansion => self.states[total.first].outer_radius_m,
+        }
+    }
+
+    /// Distance of the tip from where it shall be, or what the deformations of modules are off with the lever of a direction, m.
+    fn missed_m(&self, way_point: &WayPoint, totals: &[f64]) -> f64 {
+        let tip_m = way_point.aim.as_ref().map_or(0.0, |aim| missed(&self.tip.translation.vector, aim).norm_squared());
+        let off_m = |(total, found): (&Total, &f64)| (total.mm() / MM * (found - total.value)).powi(2);
+        (tip_m + way_point.totals.iter().zip(totals).map(off_m).sum::<f64>()).sqrt()
     }
 
     /// Squared penetrations of the body points, mm2.

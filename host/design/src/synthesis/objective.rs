@@ -3,6 +3,7 @@
 //! ```text
 //! J = sum over way-points   w |tip - aim|^2 + w (100 mm)^2 |axis - direction|^2
 //!   + sum over body points  max(0, required clearance + radius - distance)^2
+//!   + sum over segments     (1 mm / kPa)^2 (pressure - that of the segment before)^2
 //! ```
 //!
 //! The body points are points of the centre line, evenly spaced, at every way-point and between them along the moves.
@@ -13,11 +14,14 @@ use super::aim::{MM, aim};
 use super::chain::{Bundle, COLUMNS, Chain, On};
 use super::layout::Layout;
 use super::points::{body_points, radius_at};
-use super::response::RADIUS;
+use super::response::{FIELDS, PRESSURE, RADIUS};
 use super::rows::Rows;
 use super::table::{Curve, Table};
-use super::task::Task;
+use super::task::{Task, WayPoint};
 use softlimb_scene::collision::Shape;
+
+/// What a difference of pressures between the segments of an actuator counts, mm: a kilopascal as a millimetre.
+const MM_PER_PA: f64 = 1e-3;
 
 /// A configuration that is looked at: a way-point, or a point on the move between two.
 #[derive(Clone, Copy, Debug)]
@@ -89,12 +93,14 @@ impl<'a> Objective<'a> {
         let sample = curve.at(share);
         let [[length, by_length], [mount_angle_rad, by_mount]] = self.layout.length_and_mount(place, module);
         let mut bundle = Bundle { mount_angle_rad, by_mount, ..Bundle::default() };
-        for field in 0..4 {
-            let scale = if field == RADIUS { 1.0 } else { length };
+        for field in 0..FIELDS {
+            // Radius and pressure do not grow with the length.
+            let along = field < RADIUS;
+            let scale = if along { length } else { 1.0 };
             let [x, y, z] = sample.by_section[field].map(|by| by * scale);
             let by_share = sample.by_share[field] * scale;
             bundle.value[field] = sample.value[field] * scale;
-            let per_length = if field == RADIUS { 0.0 } else { sample.value[field] * by_length };
+            let per_length = if along { sample.value[field] * by_length } else { 0.0 };
             let from = pose.from.map_or(0.0, |_| 1.0 - pose.share);
             bundle.by[field] = [x, y, z, per_length, 0.0, by_share * pose.share, by_share * from];
         }
@@ -105,13 +111,13 @@ impl<'a> Objective<'a> {
 
     /// Lengths of the rigid parts behind a module, m: connector with ends, and tool.
     pub(super) fn rigid_parts_m(&self, module: usize) -> [f64; 2] {
-        let next_m = self.tables.get(module + 1).map(|table| table.end_m());
-        self.task.rigid_parts_m(self.tables[module].end_m(), next_m)
+        let next = self.tables.get(module + 1).map(|table| table.behind());
+        self.task.rigid_parts_m(self.tables[module].end_m(), next)
     }
 
     /// Where the part of the limb starts that moves.
     pub(super) fn start(&self) -> Isometry3<f64> {
-        self.task.start(self.tables.first().map_or(0.0, |table| table.end_m()))
+        self.task.start(self.tables.first().map_or(0.0, |table| table.behind().end_m))
     }
 
     /// The limb in a pose.
@@ -135,6 +141,8 @@ impl<'a> Objective<'a> {
             self.chain(place, &curves, pose, &mut chain);
             if pose.share == 1.0 {
                 aim(&chain, &self.task.way_points[pose.to], &mut rows);
+                self.add_up(&chain, &self.task.way_points[pose.to], &mut rows);
+                self.join(&chain, &mut rows);
             }
             if self.obstacles {
                 self.collide(&chain, index, &mut rows);
@@ -144,6 +152,38 @@ impl<'a> Objective<'a> {
             }
         }
         sum
+    }
+
+    /// The rows of what modules shall be deformed by.
+    fn add_up(&self, chain: &Chain, way_point: &WayPoint, rows: &mut Rows) {
+        for total in &way_point.totals {
+            let segments = self.tables[total.first + 1..].iter().take_while(|table| table.behind().joined).count() + 1;
+            let own = total.first..total.first + segments;
+            let field = total.field();
+            // The radius of the body goes beyond that of the actuator.
+            let beside_m = if field == RADIUS { self.tables[total.first].reach_m() } else { 0.0 };
+            let found: f64 = chain.joints[own.clone()].iter().map(|joint| joint.values()[field]).sum();
+            let scale = way_point.weight.sqrt() * total.mm();
+            rows.add((found - beside_m - total.value) * scale, scale, |row| {
+                for part in own {
+                    let columns = row[part * COLUMNS..(part + 1) * COLUMNS].iter_mut();
+                    columns.zip(chain.joints[part].slopes(field)).for_each(|(sum, by)| *sum += by);
+                }
+            });
+        }
+    }
+
+    /// The rows of segments whose pressure differs from that of the one before them in the same actuator.
+    fn join(&self, chain: &Chain, rows: &mut Rows) {
+        for module in (1..self.tables.len()).filter(|module| self.tables[*module].behind().joined) {
+            let [before, own] = [&chain.joints[module - 1], &chain.joints[module]];
+            let more_pa = own.values()[PRESSURE] - before.values()[PRESSURE];
+            rows.add(more_pa * MM_PER_PA, MM_PER_PA, |row| {
+                let columns = row[(module - 1) * COLUMNS..(module + 1) * COLUMNS].iter_mut();
+                let by = before.slopes(PRESSURE).iter().map(|by| -by).chain(own.slopes(PRESSURE).iter().copied());
+                columns.zip(by).for_each(|(sum, by)| *sum += by);
+            });
+        }
     }
 
     /// Adds the rows of a pose to those of all.
@@ -227,7 +267,7 @@ mod tests {
     use nalgebra::UnitQuaternion;
 
     use super::super::kinds::{Kind, space};
-    use super::super::task::{Aim, Direction};
+    use super::super::task::{Aim, Direction, Total};
     use super::*;
     use softlimb_numerics::Random;
 
@@ -243,7 +283,11 @@ mod tests {
             posed.task.way_points[1].direction = Some(Direction { axis, tolerance_rad: 0.2 });
             let rotation = UnitQuaternion::from_scaled_axis(axis);
             let half_m = nalgebra::Vector3::repeat(0.01);
-            posed.task.way_points[2].aim = Aim::Inside { center_m: axis * 0.4, half_m, rotation };
+            posed.task.way_points[2].aim = Some(Aim::Inside { center_m: axis * 0.4, half_m, rotation });
+            let total = |first: usize| Total { first, motion: posed.spaces[first].motion(), value: 0.7 };
+            posed.task.way_points[3].totals = vec![total(0), total(1)];
+            // A segment behind another one; those of a chain that twists have no circle.
+            posed.spaces[1].joined = kind != Kind::B;
             if kind == Kind::B {
                 posed.spaces[2] = space(fra_model::Motion::Expansion);
             }

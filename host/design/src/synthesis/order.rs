@@ -7,7 +7,7 @@ use super::objective::Objective;
 use super::realise::{Exact, fine_tables, sections};
 use super::search::{LocalMinimum, search};
 use super::table::Table;
-use super::task::{Aim, MOST_MODULES, Space, Task, TaskError, count};
+use super::task::{Aim, MOST_PARTS, Space, Task, TaskError, count};
 use softlimb_numerics::Random;
 
 /// Configurations looked at on every move during the search.
@@ -42,8 +42,10 @@ impl Default for Budget {
 /// [`TaskError`] for numbers out of their range and for bounds that leave nothing which the model can solve.
 pub fn design(task: &Task, modules: &[Space], effort: &Budget) -> Result<Candidate, TaskError> {
     task.check()?;
-    count("modules", modules.len(), 1..=MOST_MODULES)?;
+    count("modules and segments", modules.len(), 1..=MOST_PARTS)?;
     modules.iter().try_for_each(Space::check)?;
+    let before = std::iter::once(None).chain(modules.iter().map(Some));
+    modules.iter().zip(before).try_for_each(|(own, before)| own.check_joint(before))?;
     let tables = modules.iter().map(Table::new).collect::<Result<Vec<_>, _>>()?;
     let order: Vec<usize> = (0..modules.len()).collect();
     let mut random = Random::new(effort.seed, 0);
@@ -147,7 +149,7 @@ fn badness(candidate: &Candidate) -> f64 {
 /// A way-point that the end of the tool cannot be at, whatever the limb.
 fn blocked(task: &Task) -> Option<Shortfall> {
     for (index, way_point) in task.way_points.iter().enumerate() {
-        let Aim::Point(point) = &way_point.aim else { continue };
+        let Some(Aim::Point(point)) = &way_point.aim else { continue };
         for obstacle in &task.obstacles {
             let spare = obstacle.shape.distance(point).distance_m - task.tool_m[1] - obstacle.clearance_m;
             if spare < 0.0 && task.tool_m[0] > 0.0 {

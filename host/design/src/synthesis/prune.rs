@@ -53,7 +53,7 @@ pub(super) fn longest(space: &Space, table: &Table) -> f64 {
         }
     }
     // A twentieth for what lies between these points, and for the error of the interpolation.
-    1.05 * most * space.segment.bounds.length_m[1] + 2.0 * space.end_m
+    1.05 * most * space.segment.bounds.length_m[1] + space.ends_m.iter().sum::<f64>()
 }
 
 fn reach(task: &Task, longest_m: &[f64]) -> f64 {
@@ -67,7 +67,7 @@ fn too_short(task: &Task, longest_m: &[f64]) -> Option<String> {
         .way_points
         .iter()
         .enumerate()
-        .map(|(index, way_point)| (index, missed(&base, &way_point.aim).norm() - reach));
+        .filter_map(|(index, way_point)| Some((index, missed(&base, way_point.aim.as_ref()?).norm() - reach)));
     let (index, by_m) = beyond.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let reason = || format!("way-point {} is at least {:.0} mm beyond the longest limb", index + 1, by_m * 1e3);
     (by_m > HOPELESS_M).then(reason)
@@ -85,8 +85,10 @@ fn off_its_plane(task: &Task, spaces: &[&Space], longest_m: &[f64]) -> Option<St
         .way_points
         .iter()
         .map(|way_point| match &way_point.aim {
-            Aim::Point(point) => Some(task.base.inverse_transform_vector(&(point - task.base.translation.vector))),
-            Aim::Inside { .. } => None,
+            Some(Aim::Point(point)) => {
+                Some(task.base.inverse_transform_vector(&(point - task.base.translation.vector)))
+            }
+            Some(Aim::Inside { .. }) | None => None,
         })
         .collect();
     let points = points?;

@@ -14,6 +14,8 @@ use crate::actuators::{Candidate, Counts, Elements, Geometry, errs};
 pub(super) const FIELDS: usize = 5;
 /// Index of the outer radius.
 pub(super) const RADIUS: usize = 3;
+/// Index of the pressure.
+pub(super) const PRESSURE: usize = 4;
 
 /// Pressures at which a deformation that turns back is looked for.
 const SCANNED: usize = 32;

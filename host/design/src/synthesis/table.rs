@@ -8,7 +8,7 @@
 use std::f64::consts::PI;
 
 use super::response::{FIELDS, Section};
-use super::task::{Space, TaskError};
+use super::task::{Behind, Space, TaskError};
 
 /// Most nodes in the share.
 const DEPTH: usize = 12;
@@ -26,8 +26,9 @@ pub(super) struct Table {
     coefficients: Vec<f64>,
     /// Distance of the farthest actuator from the module's axis, m.
     reach_m: f64,
-    /// Length of an end, m.
+    /// Length of the end at the tip, m.
     end_m: f64,
+    behind: Behind,
 }
 
 /// The response of one section: polynomials in the share, with their derivatives by the section.
@@ -117,7 +118,14 @@ impl Table {
         transform(&mut values, sizes[2], inner);
         transform(&mut values, sizes[1], inner * sizes[2]);
         transform(&mut values, sizes[0], inner * sizes[2] * sizes[1]);
-        Ok(Self { sizes, depth, coefficients: values, reach_m: space.reach_m, end_m: space.end_m })
+        Ok(Self {
+            sizes,
+            depth,
+            coefficients: values,
+            reach_m: space.reach_m,
+            end_m: space.ends_m[1],
+            behind: space.behind(),
+        })
     }
 
     /// Distance of the farthest actuator from the module's axis, m.
@@ -125,9 +133,14 @@ impl Table {
         self.reach_m
     }
 
-    /// Length of an end, m.
+    /// Length of the end at the tip, m.
     pub(super) fn end_m(&self) -> f64 {
         self.end_m
+    }
+
+    /// What it is behind another module.
+    pub(super) fn behind(&self) -> Behind {
+        self.behind
     }
 
     /// The response of the section at a place of its unit box.

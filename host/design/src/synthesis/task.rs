@@ -3,12 +3,16 @@
 use fra_model::Motion;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
+use super::aim::{DIRECTION_MM, MM};
+use super::response::RADIUS;
 use crate::actuators::{Bounds, Segment};
 use softlimb_files::range::{OutOfRange, positive, require};
 use softlimb_scene::collision::Shape;
 
-/// Most modules of a limb that is designed.
+/// Most modules of a limb whose motions are chosen.
 pub const MOST_MODULES: usize = 8;
+/// Most modules and segments of a limb that is designed.
+pub const MOST_PARTS: usize = 16;
 /// Most way-points.
 pub const MOST_WAY_POINTS: usize = 100;
 
@@ -37,11 +41,44 @@ pub struct Direction {
     pub tolerance_rad: f64,
 }
 
+/// A deformation that a module shall have, of its segments all together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Total {
+    /// Index of its space, or of that of its first segment.
+    pub first: usize,
+    /// Its motion.
+    pub motion: Motion,
+    /// Length (extension) or outer radius (expansion), m; bend angle or twist, rad.
+    pub value: f64,
+}
+
+impl Total {
+    /// The field of a response that it is a sum of.
+    pub(super) fn field(&self) -> usize {
+        match self.motion {
+            Motion::Extension => 0,
+            Motion::Bending => 1,
+            Motion::Twisting => 2,
+            Motion::Expansion => RADIUS,
+        }
+    }
+
+    /// What its unit counts, mm.
+    pub(super) fn mm(&self) -> f64 {
+        match self.motion {
+            Motion::Extension | Motion::Expansion => MM,
+            Motion::Bending | Motion::Twisting => DIRECTION_MM,
+        }
+    }
+}
+
 /// One way-point: a pose that the limb takes with pressures of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WayPoint {
-    /// Where the tip shall be.
-    pub aim: Aim,
+    /// Where the tip shall be, if that matters.
+    pub aim: Option<Aim>,
+    /// What modules shall be deformed by, each counted with the same weight.
+    pub totals: Vec<Total>,
     /// Weight of its squared error; > 0.
     pub weight: f64,
     /// Where the end effector shall point, if that matters.
@@ -51,7 +88,12 @@ pub struct WayPoint {
 impl WayPoint {
     /// A way-point for the tip alone, with the weight 1.
     pub fn at(tip_m: [f64; 3]) -> Self {
-        Self { aim: Aim::Point(tip_m.into()), weight: 1.0, direction: None }
+        Self { aim: Some(Aim::Point(tip_m.into())), ..Self::with(Vec::new()) }
+    }
+
+    /// A way-point for the deformations of modules, wherever the tip is, with the weight 1.
+    pub fn with(totals: Vec<Total>) -> Self {
+        Self { aim: None, totals, weight: 1.0, direction: None }
     }
 }
 
@@ -87,7 +129,7 @@ pub struct Task {
     pub from_rest: bool,
 }
 
-/// What one module may be.
+/// What one module, or one segment of its actuator, may be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Space {
     /// Motion, material, winding, bounds of the geometry and pressure; its goals are not used.
@@ -97,8 +139,11 @@ pub struct Space {
     /// Distance of the farthest actuator from the module's axis, m; >= 0, and 0 for a twisting module: plates hold twisting actuators back that stand
     /// beside the axis.
     pub reach_m: f64,
-    /// Length at each end that its cap takes out of the motion, m; >= 0. The bounds of the length are those of what moves.
-    pub end_m: f64,
+    /// Lengths at the base and at the tip that caps take out of the motion, m; >= 0. The bounds of the length are those of what moves.
+    pub ends_m: [f64; 2],
+    /// Whether it is a segment of the actuator that the space before it is of. They share radii and pressure, a free mount angle turns both alike, and
+    /// nothing rigid is between them; their bounds of radii are the same.
+    pub joined: bool,
     /// Bounds of the direction that it bends towards, rad about the limb's axis; a width of a full turn or more leaves it free.
     pub mount_angle_rad: Bounds,
     /// Density of the elastomer, kg/m3; > 0.
@@ -172,6 +217,15 @@ pub(super) fn count(
     if allowed.contains(&found) { Ok(()) } else { Err(TaskError::Count { field, found, allowed: message() }) }
 }
 
+/// What goes on behind a module.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Behind {
+    /// Length that its cap takes at the base, m.
+    pub(super) end_m: f64,
+    /// Whether it is a segment of the same actuator.
+    pub(super) joined: bool,
+}
+
 impl Task {
     /// Whether the move to a way-point counts.
     pub(super) fn move_to(&self, way_point: usize) -> bool {
@@ -183,11 +237,14 @@ impl Task {
         self.base * Translation3::new(0.0, 0.0, end_m)
     }
 
-    /// Lengths of the rigid parts behind a module with ends of some lengths, m: the connector between its end and that of the next, if there is
-    /// one, and the end effector behind the last.
-    pub(super) fn rigid_parts_m(&self, end_m: f64, next_m: Option<f64>) -> [f64; 2] {
-        let tool_m = if next_m.is_none() { self.tool_m[0] } else { 0.0 };
-        [end_m + self.connector_m[0] + next_m.unwrap_or(0.0), tool_m]
+    /// Lengths of the rigid parts behind a module with an end of some length, m: the connector between its end and that of the next, if there is
+    /// one, and the end effector behind the last; none between segments of one actuator.
+    pub(super) fn rigid_parts_m(&self, end_m: f64, next: Option<Behind>) -> [f64; 2] {
+        match next {
+            Some(Behind { joined: true, .. }) => [0.0; 2],
+            Some(next) => [end_m + self.connector_m[0] + next.end_m, 0.0],
+            None => [end_m + self.connector_m[0], self.tool_m[0]],
+        }
     }
 
     /// Checks every number.
@@ -215,12 +272,14 @@ impl WayPoint {
     fn check(&self) -> Result<(), OutOfRange> {
         positive("weight", self.weight)?;
         match &self.aim {
-            Aim::Point(point) => finite("tip_m", point)?,
-            Aim::Inside { center_m, half_m, .. } => {
+            None => {}
+            Some(Aim::Point(point)) => finite("tip_m", point)?,
+            Some(Aim::Inside { center_m, half_m, .. }) => {
                 finite("center_m", center_m)?;
                 half_m.iter().try_for_each(|half| non_negative("half_m", *half))?;
             }
         }
+        self.totals.iter().try_for_each(|total| require(total.value.is_finite(), "total", total.value, "finite"))?;
         let Some(direction) = &self.direction else { return Ok(()) };
         let norm = direction.axis.norm();
         require((norm - 1.0).abs() < 1e-9, "direction norm", norm, "1")?;
@@ -230,6 +289,28 @@ impl WayPoint {
 }
 
 impl Space {
+    /// What it is behind another module.
+    pub(super) fn behind(&self) -> Behind {
+        Behind { end_m: self.ends_m[0], joined: self.joined }
+    }
+
+    /// Requires of a segment that it goes on from `before`.
+    ///
+    /// # Errors
+    /// [`TaskError::Bounds`] where it goes on from nothing, or from bounds of other radii, walls or pressures.
+    pub(super) fn check_joint(&self, before: Option<&Self>) -> Result<(), TaskError> {
+        let alike = |before: &Self| {
+            let [own, other] = [&self.segment, &before.segment];
+            (own.bounds.sizes, own.bounds.sizes_m, own.pressure_max_pa, self.actuators, self.reach_m)
+                == (other.bounds.sizes, other.bounds.sizes_m, other.pressure_max_pa, before.actuators, before.reach_m)
+        };
+        if !self.joined || before.is_some_and(alike) {
+            return Ok(());
+        }
+        let reason = "a segment has the radii, the pressure and the places of the one before it".to_owned();
+        Err(TaskError::Bounds { place: format!("module {}", self.segment.name), reason })
+    }
+
     /// Checks every number but those that the model checks when an actuator is built.
     ///
     /// # Errors
@@ -242,7 +323,7 @@ impl Space {
         at(place, ordered("length_m", bounds.length_m, 0.0))?;
         count("actuators", self.actuators as usize, 1..=100)?;
         at(place, non_negative("reach_m", self.reach_m))?;
-        at(place, non_negative("end_m", self.end_m))?;
+        at(place, self.ends_m.into_iter().try_for_each(|end_m| non_negative("ends_m", end_m)))?;
         if self.motion() == Motion::Twisting {
             at(place, require(self.reach_m == 0.0, "reach_m", self.reach_m, "0 for a twisting module"))?;
         }

@@ -21,7 +21,7 @@ fn directions_and_boxes_are_met() {
         for (way_point, answer) in posed.task.way_points.iter_mut().zip(&by_chance.way_points).take(3) {
             way_point.direction = Some(Direction { axis: Vector3::from(answer.axis).normalize(), tolerance_rad });
             let center_m = Vector3::from(answer.tip_m) + turn * Vector3::new(4e-3, -8e-3, 0.0);
-            way_point.aim = Aim::Inside { center_m, half_m, rotation: turn };
+            way_point.aim = Some(Aim::Inside { center_m, half_m, rotation: turn });
         }
         let found = design(&posed.task, &posed.spaces, &effort(2)).unwrap();
         assert!(found.does_it(), "{kind:?} {seed}: {:?}", found.shortfall);
@@ -33,7 +33,7 @@ fn directions_and_boxes_are_met() {
             let asked = way_point.direction.unwrap();
             let off = axis.cross(&asked.axis).norm().atan2(axis.dot(&asked.axis));
             assert!(off <= asked.tolerance_rad + 1e-5, "{off} rad off");
-            let Aim::Inside { center_m, .. } = &way_point.aim else { panic!("a box") };
+            let Some(Aim::Inside { center_m, .. }) = &way_point.aim else { panic!("a box") };
             let local = turn.inverse() * (remade.tip(&links) - center_m);
             assert!((0..3).all(|axis| local[axis].abs() <= half_m[axis] + 1e-6), "{local:?}");
         }

@@ -101,7 +101,7 @@ fn order_is_left_out_only_where_it_could_not_do_it_or_another_does_the_same() {
     for (index, way_point) in task.way_points.iter_mut().enumerate() {
         let angle = 0.35 * index as f64;
         let point = Vector3::new(0.12 * angle.cos(), 0.12 * angle.sin(), 0.42);
-        way_point.aim = softlimb_design::synthesis::Aim::Point(point);
+        way_point.aim = Some(softlimb_design::synthesis::Aim::Point(point));
     }
     let choice =
         choose(&task, &kinds(), &Choosing { evaluations: 600, ..SHORT }, Choice::default(), &|_| true).unwrap();

@@ -13,7 +13,7 @@ fn carried(
 ) -> Task {
     let mut task = task.clone();
     for way_point in &mut task.way_points {
-        let Aim::Point(aim) = &mut way_point.aim else { panic!("a point") };
+        let Some(Aim::Point(aim)) = &mut way_point.aim else { panic!("a point") };
         *aim = point(aim);
     }
     for obstacle in &mut task.obstacles {

@@ -82,7 +82,7 @@ fn tip_is_led_by_bends_of_finite_elements() {
         remade.within_bounds(&found);
         let mut missed_analytically_m = 0.0_f64;
         for (answer, way_point) in found.way_points.iter().zip(&task.way_points) {
-            let Aim::Point(point) = &way_point.aim else { panic!("a point") };
+            let Some(Aim::Point(point)) = &way_point.aim else { panic!("a point") };
             let states =
                 spaces.iter().zip(&found.modules).zip(&answer.pressure_pa).map(|((space, module), pressure_pa)| {
                     let geometry = Geometry {

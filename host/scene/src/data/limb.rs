@@ -2,7 +2,7 @@
 
 use fra_model::{ActuatorParameters, Arrangement, Fiber, Material, Motion, StateQuantity};
 
-use super::Thread;
+use super::{ModuleBounds, Thread};
 use crate::source::{Located, Span};
 
 /// The rigid parts of a limb and where it starts.
@@ -112,6 +112,8 @@ pub struct ModuleSegment {
     pub second_fiber: Option<Located<Fiber<f64>>>,
     /// The thread that the second winding is made of, where the scene states it.
     pub second_thread: Option<Thread>,
+    /// Bounds of its length and its fiber angle in a design; none of its radii, which are those of the module.
+    pub bounds: ModuleBounds,
     /// The header of its table.
     pub span: Span,
 }

@@ -10,7 +10,7 @@ use crate::data::{Choice, Design, ModuleBounds, Region};
 use crate::error::{Problem, quoted};
 use crate::reader::Reader;
 use crate::schema;
-use crate::schema::{Pair, bounds, design as keys};
+use crate::schema::{Pair, bounds, design as keys, segment_bounds as of_segment};
 use crate::source::Located;
 use crate::value::wrong_type;
 
@@ -52,7 +52,25 @@ pub(super) fn module_bounds(module: &Reader<'_>) -> Option<ModuleBounds> {
     let Some(value) = module.value(name) else { return Some(ModuleBounds::default()) };
     let reader = Reader::open(module.log(), value, &bounds::SECTION, &quoted(name))?;
     use bounds::{CIRCLE_RADIUS, FIBER_ANGLE, INNER_RADIUS, LENGTH, SPACING, WALL};
+    if module.key_span(schema::module::SEGMENTS.name).is_some() {
+        let own = [LENGTH.name, FIBER_ANGLE.name];
+        let each = reader.forbid(&own, "of a module with `segments`, which have `[module.segments.bounds]`");
+        reader.forbid(&[CIRCLE_RADIUS.name, SPACING.name], "of a module with `segments`, which has one actuator")?;
+        each?;
+    }
     pairs(&reader, [INNER_RADIUS, WALL, LENGTH, FIBER_ANGLE, CIRCLE_RADIUS, SPACING])
+}
+
+/// The bounds of one segment, from the table inside its own.
+pub(super) fn segment_bounds(segment: &Reader<'_>, motion: Option<Located<Motion>>) -> Option<ModuleBounds> {
+    let name = schema::segment::BOUNDS.name;
+    let Some(value) = segment.value(name) else { return Some(ModuleBounds::default()) };
+    let reader = Reader::open(segment.log(), value, &of_segment::SECTION, &quoted(name))?;
+    let (length, angle) = (reader.pair(&of_segment::LENGTH), reader.pair(&of_segment::FIBER_ANGLE));
+    if motion.is_some_and(|motion| *motion == Motion::Bending) {
+        reader.forbid(&[of_segment::FIBER_ANGLE.name], "in a bending segment, which keeps the angle of its winding")?;
+    }
+    Some(ModuleBounds { length_m: length?, fiber_angle_rad: angle?, ..ModuleBounds::default() })
 }
 
 fn pairs(reader: &Reader<'_>, keys: [Pair; 6]) -> Option<ModuleBounds> {

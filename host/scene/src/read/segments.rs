@@ -2,6 +2,7 @@
 
 use fra_model::{Material, Motion};
 
+use super::design::segment_bounds;
 use super::module::{MOTIONS, Wall, wound};
 use super::parts::{Parts, Winding};
 use crate::data::ModuleSegment;
@@ -81,6 +82,7 @@ fn segment(
     let length = reader.quantity(&keys::LENGTH);
     let direction = reader.quantity(&keys::BEND_DIRECTION);
     let wound = motion.and_then(|motion| wound(reader, (motion, None), windings, wall, law));
+    let bounds = segment_bounds(reader, motion);
     let motion = motion?;
     if *motion != Motion::Bending {
         reader.forbid(&[keys::BEND_DIRECTION.name], "in a segment that does not bend")?;
@@ -94,6 +96,7 @@ fn segment(
         thread: first.and_then(|(_, thread)| thread),
         second_fiber: second.map(|(fiber, _)| fiber),
         second_thread: second.and_then(|(_, thread)| thread),
+        bounds: bounds?,
         span: reader.span(),
     })
 }

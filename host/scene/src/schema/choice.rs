@@ -25,7 +25,15 @@ section! {
 }
 
 section! {
-    /// Bounds of one module; as in `[design]`.
+    /// Bounds of one segment of a module, for `softlimb design limb` with `tip` or `inside`; a quantity without a pair keeps the segment's own value.
+    segment_bounds, "module.segments.bounds";
+    LENGTH: Pair { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Optional("the segment's own") } = "Length at rest, of the first and of the last segment with their end.";
+    FIBER_ANGLE: Pair { name: "fiber_angle", unit: Unit::DEG, min: -90.0, max: 90.0, presence: Optional("that of the segment's winding") } = "Fiber angle from the hoop direction. A bending segment has none.";
+}
+
+section! {
+    /// Bounds of one module; as in `[design]`. One with `segments` has those of its radii here: lengths and fiber angles are in
+    /// `[module.segments.bounds]`, and those of `[design]` are not for it.
     bounds, "module.bounds";
     INNER_RADIUS: Pair { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Optional("that of `[design]`") } = "Inner radius at rest.";
     WALL: Pair { name: "wall", unit: Unit::MM, min: 0.1, max: 100.0, presence: Optional("that of `[design]`") } = "Thickness of the wall at rest.";

@@ -8,7 +8,7 @@ mod sweep;
 mod task;
 mod units;
 
-pub(super) use choice::{bounds, design};
+pub(super) use choice::{bounds, design, segment_bounds};
 pub(super) use motion::{controller, limits, phase, swing, target, weight};
 pub(super) use parts::{
     DENSITY_KG_PER_M3, connector, end_effector, limb, material, module, scene, segment, thread, winding,
@@ -165,7 +165,7 @@ macro_rules! section {
 use section;
 
 /// All sections in the order of the reference page.
-pub(super) const SECTIONS: [Section; 31] = [
+pub(super) const SECTIONS: [Section; 32] = [
     scene::SECTION,
     material::SECTION,
     winding::SECTION,
@@ -176,6 +176,7 @@ pub(super) const SECTIONS: [Section; 31] = [
     module::SECTION,
     segment::SECTION,
     bounds::SECTION,
+    segment_bounds::SECTION,
     phase::SECTION,
     target::SECTION,
     obstacle::SECTION,

@@ -118,4 +118,5 @@ section! {
     LENGTH: Quantity { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Required } = "Length at rest.";
     WINDING: Text { name: "winding", is_name: true, presence: Optional("hoop winding at the outer radius for `bending`, else required") } = "As `winding` of `[[module]]`.";
     BEND_DIRECTION: Quantity { name: "bend_direction", unit: Unit::DEG, min: -360.0, max: 360.0, presence: Default(0.0) } = "Direction a bending segment bends towards, from that of the module, on the actuator at rest; the twist of the segments before it turns it.";
+    BOUNDS: Nested { name: "bounds", shape: "table `[module.segments.bounds]`", presence: Optional("its own values") } = "Bounds of this segment.";
 }

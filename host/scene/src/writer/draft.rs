@@ -38,6 +38,9 @@ impl Part {
     }
 }
 
+/// A module, or a segment of it: their indices.
+pub(super) type Wound = (usize, Option<usize>);
+
 /// A scene's text that changes value by value.
 pub(super) struct Draft {
     pub(super) document: DocumentMut,
@@ -60,18 +63,23 @@ impl Draft {
         self.document.get_mut(scene::MODULE.name)?.get_mut(index)?.as_table_like_mut()
     }
 
-    /// The name that a module has for its part.
-    pub(super) fn part_name(&self, index: usize, part: Part) -> Option<&str> {
-        let names = self.document.get(scene::MODULE.name)?.get(index)?.get(part.key())?;
+    /// The name that a module, or a segment of it, has for its part.
+    pub(super) fn part_name(&self, (index, segment): Wound, part: Part) -> Option<&str> {
+        let module = self.document.get(scene::MODULE.name)?.get(index)?;
+        let names = segment.map_or(Some(module), |segment| module.get(module::SEGMENTS.name)?.get(segment))?;
+        let names = names.get(part.key())?;
         match names.as_array() {
             Some(names) => names.get(part.position())?.as_str(),
             None => names.as_str().filter(|_| part.position() == 0),
         }
     }
 
-    /// Gives a module's part another name.
-    pub(super) fn put_part_name(&mut self, index: usize, part: Part, name: &str) -> Option<()> {
-        let table = self.module(index)?;
+    /// Gives a module's or a segment's part another name.
+    pub(super) fn put_part_name(&mut self, (index, segment): Wound, part: Part, name: &str) -> Option<()> {
+        let mut table = self.module(index)?;
+        if let Some(segment) = segment {
+            table = table.get_mut(module::SEGMENTS.name)?.get_mut(segment)?.as_table_like_mut()?;
+        }
         match table.get_mut(part.key())?.as_array_mut() {
             Some(names) => {
                 names.replace(part.position(), name);

@@ -6,8 +6,8 @@ use toml_edit::{ArrayOfTables, InlineTable, Item, Table, Value};
 use super::RewriteError;
 use super::draft::{Draft, Part, put};
 use super::sheets::{Threads, freeze};
-use crate::data::{Goal, Scene};
-use crate::schema::{module, phase, scene, target, winding};
+use crate::data::{Goal, ModuleSegment, Scene};
+use crate::schema::{module, phase, scene, segment, target, winding};
 
 /// Design of one module.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,8 +26,10 @@ pub struct Redesign {
     pub radii_m: [f64; 2],
     /// Length at rest, m.
     pub length_m: f64,
-    /// Angle of the winding, rad from the hoop, where the module has a winding.
+    /// Angle of the winding, rad from the hoop, where the module has a winding; `None` of a module of segments.
     pub winding: Option<f64>,
+    /// Length at rest, m, and angle of the winding, rad, of each of its segments, where it has some; empty of a module without.
+    pub segments: Vec<(f64, Option<f64>)>,
 }
 
 /// A setpoint of a phase: index of the module, the quantity, and its value in SI units.
@@ -46,7 +48,6 @@ pub fn redesigned(
     modules: &[Redesign],
     targets: Option<&[Vec<RedesignedTarget>]>,
 ) -> Result<String, RewriteError> {
-    scene.require_no_segments("a rewritten scene").map_err(RewriteError::Segments)?;
     let unwritten = |index: usize, what| RewriteError::NotWritten { module: modules[index].name.clone(), what };
     let mut draft = Draft::new(scene).ok_or_else(|| unwritten(0, "text"))?;
     freeze(&mut draft, scene, Threads::Go).ok_or_else(|| unwritten(0, "thread"))?;
@@ -57,6 +58,14 @@ pub fn redesigned(
         resize(&mut table, redesign);
         if let Some(angle_rad) = redesign.winding {
             rewind(&mut draft, &mut table, angle_rad, index);
+        }
+        let segments = table.get_mut(module::SEGMENTS.name).and_then(Item::as_array_of_tables_mut);
+        let segments = segments.into_iter().flat_map(ArrayOfTables::iter_mut).zip(&redesign.segments);
+        for (segment_table, (length_m, angle_rad)) in segments {
+            put(segment_table, segment::LENGTH.name, millimetres(*length_m));
+            if let Some(angle_rad) = angle_rad {
+                rewind(&mut draft, segment_table, *angle_rad, index);
+            }
         }
         after.push(table);
     }
@@ -86,7 +95,9 @@ fn differs(scene: &Scene, index: usize, wanted: &Redesign) -> Option<&'static st
     let [inner_m, outer_m] = wanted.radii_m;
     let sizes =
         [(*module.inner_radius_m, inner_m), (*module.outer_radius_m, outer_m), (*module.length_m, wanted.length_m)];
-    if !sizes.iter().all(|(a, b)| near(*a, *b)) {
+    // Each segment is written to a nanometre.
+    let rounded = 1e-9 * wanted.segments.len().max(1) as f64;
+    if !sizes.iter().all(|(a, b)| (a - b).abs() <= rounded) {
         return Some("sizes");
     }
     let apart = match (module.arrangement, wanted.bundle.1) {
@@ -96,6 +107,15 @@ fn differs(scene: &Scene, index: usize, wanted: &Redesign) -> Option<&'static st
     };
     if module.actuators != wanted.bundle.0 || !apart {
         return Some("arrangement");
+    }
+    let written = |segment: &ModuleSegment, (length_m, angle_rad): &(f64, Option<f64>)| {
+        let own_rad = segment.fiber.as_ref().map(|fiber| fiber.angle_rad);
+        let wound = angle_rad.is_none_or(|wanted| own_rad.is_some_and(|own| along(own, wanted)));
+        near(*segment.length_m, *length_m) && wound
+    };
+    let segments = || module.segments.iter().zip(&wanted.segments);
+    if module.segments.len() != wanted.segments.len() || !segments().all(|(found, wanted)| written(found, wanted)) {
+        return Some("segments");
     }
     let angle_rad = module.fiber.as_ref().map(|fiber| fiber.angle_rad);
     if wanted.winding.is_some() && !wanted.winding.zip(angle_rad).is_some_and(|(a, b)| along(a, b)) {
@@ -126,11 +146,13 @@ fn resize(table: &mut Table, redesign: &Redesign) {
     put(table, module::NAME.name, redesign.name.as_str().into());
     put(table, module::MOTION.name, redesign.motion.into());
     put(table, module::ACTUATORS.name, i64::from(actuators).into());
-    arrange(table, &arrangement);
+    if redesign.segments.is_empty() {
+        arrange(table, &arrangement);
+        put(table, module::LENGTH.name, millimetres(redesign.length_m));
+    }
     put(table, module::MOUNT_ANGLE.name, degrees(redesign.mount_angle_rad));
     put(table, module::INNER_RADIUS.name, millimetres(redesign.radii_m[0]));
     put(table, module::OUTER_RADIUS.name, millimetres(redesign.radii_m[1]));
-    put(table, module::LENGTH.name, millimetres(redesign.length_m));
 }
 
 /// Writes the places of the actuators; the keys of the other arrangement go.

@@ -60,12 +60,12 @@ impl Scene {
     /// The name of the material of a module, or of its winding, the first of two, as the scene has it; `None` where it names none.
     pub fn part_name(&self, module: usize, kind: &str) -> Option<String> {
         let part = [Part::Material, Part::Winding].into_iter().find(|part| part.key() == kind)?;
-        Draft::new(self)?.part_name(module, part).map(str::to_owned)
+        Draft::new(self)?.part_name((module, None), part).map(str::to_owned)
     }
 
     /// The name of the second winding of a module; `None` where it has one or none.
     pub fn second_winding_name(&self, module: usize) -> Option<String> {
-        Draft::new(self)?.part_name(module, Part::SecondWinding).map(str::to_owned)
+        Draft::new(self)?.part_name((module, None), Part::SecondWinding).map(str::to_owned)
     }
 }
 
@@ -97,7 +97,7 @@ impl Pen<'_> {
     /// Materials or windings, each for all modules that use it.
     fn parts(&mut self, part: Part) -> Result<(), RewriteError> {
         let names: Vec<Option<String>> =
-            (0..self.modules.len()).map(|index| self.draft.part_name(index, part).map(str::to_owned)).collect();
+            (0..self.modules.len()).map(|index| self.draft.part_name((index, None), part).map(str::to_owned)).collect();
         for name in names.iter().flatten().collect::<BTreeSet<_>>() {
             let users: Vec<usize> = (0..names.len()).filter(|index| names[*index].as_ref() == Some(name)).collect();
             // A radius that is not stated is that of the actuator, and follows it.
@@ -159,7 +159,7 @@ impl Pen<'_> {
         let numbered = (2..100).map(|count| format!("{base}-fit{count}"));
         let names = std::iter::once(format!("{base}-fit")).chain(numbered);
         let own = self.draft.copy(part, name, names).ok_or_else(|| not_written(module, part.key()))?;
-        self.draft.put_part_name(user, part, &own).ok_or_else(|| not_written(module, part.key()))?;
+        self.draft.put_part_name((user, None), part, &own).ok_or_else(|| not_written(module, part.key()))?;
         self.log.push(format!("module `{}`: {} = \"{own}\"", *module.name, part.key()));
         Ok(own)
     }

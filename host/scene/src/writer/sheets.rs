@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use fra_model::Fiber;
 
-use super::draft::{Draft, Part, put};
+use super::draft::{Draft, Part, Wound, put};
 use super::refit::{megapascals, millimetres};
 use crate::data::Scene;
 use crate::schema::winding;
@@ -22,19 +22,24 @@ pub(super) enum Threads {
 }
 
 /// Writes the `modulus` and `thickness` that the thread of every winding has in this scene, so that they stay when sizes or
-/// materials change. A line for each. Modules that share a thread get a winding each. `None` where a winding cannot be written.
+/// materials change. A line for each. Modules and segments that share a thread get a winding each. `None` where a winding cannot be written.
 pub(super) fn freeze(draft: &mut Draft, scene: &Scene, threads: Threads) -> Option<Vec<String>> {
     let mut log = Vec::new();
-    let mut users: BTreeMap<String, Vec<(usize, Part)>> = BTreeMap::new();
+    let mut users: BTreeMap<String, Vec<(Wound, Part, Fiber<f64>)>> = BTreeMap::new();
     for (index, module) in scene.modules().iter().enumerate() {
-        let threads = [(module.thread, Part::Winding), (module.second_thread, Part::SecondWinding)];
-        for (_, part) in threads.into_iter().filter(|(thread, _)| thread.is_some()) {
-            users.entry(draft.part_name(index, part)?.to_owned()).or_default().push((index, part));
+        for (number, wound) in module.parts().into_iter().enumerate() {
+            let user = (index, (!module.segments.is_empty()).then_some(number));
+            let first = (wound.thread.and(wound.fiber), Part::Winding);
+            let second = (wound.second_thread.and(wound.second_fiber), Part::SecondWinding);
+            for (fiber, part) in [first, second] {
+                let Some(fiber) = fiber else { continue };
+                users.entry(draft.part_name(user, part)?.to_owned()).or_default().push((user, part, *fiber));
+            }
         }
     }
     for (name, users) in users {
-        for (number, (user, part)) in users.iter().enumerate().rev() {
-            let module = &scene.modules()[*user];
+        for (number, (user, part, fiber)) in users.iter().enumerate().rev() {
+            let module = &scene.modules()[user.0];
             let own = if number == 0 {
                 name.clone()
             } else {
@@ -44,9 +49,7 @@ pub(super) fn freeze(draft: &mut Draft, scene: &Scene, threads: Threads) -> Opti
                 draft.put_part_name(*user, *part, &own)?;
                 own
             };
-            let fiber = if *part == Part::SecondWinding { module.second_fiber } else { module.fiber };
-            let fiber = fiber?;
-            write(draft, &own, &fiber, threads)?;
+            write(draft, &own, fiber, threads)?;
             log.push(format!("[windings.{own}]: the sheet of its thread"));
         }
     }

@@ -2,7 +2,10 @@
 
 use std::fmt::Write as _;
 
+use fra_model::Motion;
+use softlimb_design::from_scene::Tasked;
 use softlimb_design::synthesis::Candidate;
+use softlimb_scene::Scene;
 
 /// The limbs to pick from.
 pub(super) fn pareto(list: &[&Candidate]) -> String {
@@ -48,19 +51,7 @@ pub(super) fn limb(found: &Candidate) -> String {
     if let Some(spare) = figures.spare_clearance_m {
         let _ = writeln!(text, "clearance beyond the required one: {:.2} mm", spare * 1e3);
     }
-    for module in &found.modules {
-        let _ = writeln!(
-            text,
-            "\n{}: inner radius {:.4} mm, outer radius {:.4} mm, length {:.3} mm, fiber angle {:.3} deg, mount angle {:.2} deg, up to {:.1} kPa",
-            module.name,
-            module.inner_radius_m * 1e3,
-            module.outer_radius_m * 1e3,
-            module.length_m * 1e3,
-            module.fiber_angle_rad.to_degrees(),
-            module.mount_angle_rad.to_degrees(),
-            module.pressure_cap_pa * 1e-3
-        );
-    }
+    text += &modules(found);
     let _ = writeln!(
         text,
         "\n{:>9} {:>12} {:>14} {:>14}  kPa",
@@ -78,6 +69,59 @@ pub(super) fn limb(found: &Candidate) -> String {
             millimetres(point.move_clearance_m),
             pressures.join(", ")
         );
+    }
+    text
+}
+
+/// Sizes of the modules of a limb.
+fn modules(found: &Candidate) -> String {
+    let mut text = String::new();
+    for module in &found.modules {
+        let _ = writeln!(
+            text,
+            "\n{}: inner radius {:.4} mm, outer radius {:.4} mm, length {:.3} mm, fiber angle {:.3} deg, mount angle {:.2} deg, up to {:.1} kPa",
+            module.name,
+            module.inner_radius_m * 1e3,
+            module.outer_radius_m * 1e3,
+            module.length_m * 1e3,
+            module.fiber_angle_rad.to_degrees(),
+            module.mount_angle_rad.to_degrees(),
+            module.pressure_cap_pa * 1e-3
+        );
+    }
+    text
+}
+
+/// A limb whose modules have targets, as text. Writing to a string cannot fail.
+pub(super) fn deformed(scene: &Scene, tasked: &Tasked, found: &Candidate) -> String {
+    let mut text = String::new();
+    let figures = &found.figures;
+    let _ = writeln!(
+        text,
+        "{}: highest pressure {:.1} kPa; mass {:.2} kg",
+        if found.does_it() { "reached" } else { "nearest found" },
+        figures.pressure_max_pa * 1e-3,
+        figures.mass_kg
+    );
+    text += &modules(found);
+    let _ = writeln!(text, "\n{:<16} {:<16} {:>14} {:>14} {:>10}", "phase", "module", "target", "found", "kPa");
+    let phases = scene.phases().iter().zip(&tasked.task.way_points).zip(&found.way_points);
+    for ((phase, asked), answer) in phases {
+        for (total, value) in asked.totals.iter().zip(&answer.totals) {
+            let shown = |value: f64| match total.motion {
+                Motion::Extension | Motion::Expansion => format!("{:.4} mm", 1e3 * value),
+                Motion::Bending | Motion::Twisting => format!("{:.4} deg", value.to_degrees()),
+            };
+            let _ = writeln!(
+                text,
+                "{:<16} {:<16} {:>14} {:>14} {:>10.2}",
+                *phase.name,
+                *scene.modules()[tasked.patterns[total.first]].name,
+                shown(total.value),
+                shown(*value),
+                answer.pressure_pa[total.first] * 1e-3
+            );
+        }
     }
     text
 }

@@ -6,12 +6,13 @@ use clap::Args;
 use serde::Serialize;
 
 use super::actuators::{Search, short, table};
-use super::candidates::{limb, pareto};
+use super::candidates::{deformed, limb, pareto};
 use crate::cli::shared::{about, bar, read, show, threads};
 use crate::cli::{Failure, Outcome, note, say};
 use softlimb_chart::labelled;
 use softlimb_design::from_scene::{
-    BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task, with_ends,
+    BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, redesigned_totals, targets,
+    task, totals, with_ends,
 };
 use softlimb_design::synthesis as path;
 use softlimb_design::synthesis::{Budget, Candidate, Choice, Choosing};
@@ -66,7 +67,9 @@ impl LimbDesign {
     /// Designs the limb of a scene and writes the scene with it.
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let scene = scene::load(&self.scene)?;
-        scene.require_no_segments("`design limb`")?;
+        if !leads_the_tip(&scene) && scene.modules().iter().any(|module| !module.segments.is_empty()) {
+            return self.by_totals(&scene);
+        }
         if !leads_the_tip(&scene) {
             let answer = self.search.solve(&targets(&scene)?)?;
             let (modules, targets) = redesigned_targets(&scene, &answer);
@@ -113,6 +116,18 @@ impl LimbDesign {
                 self.finish(&scene, &tasked, picked, list.clone())
             }
         }
+    }
+
+    /// Designs a limb with modules of several segments for targets.
+    fn by_totals(&self, scene: &Scene) -> Result<Outcome, Failure> {
+        let tasked = totals(scene)?;
+        let effort = Budget { seed: self.search.seed, ..Budget::default() };
+        let found = path::design(&tasked.task, &tasked.spaces, &effort).map_err(Failure::new)?;
+        let targets = redesigned_totals(scene, &tasked, &found);
+        let file = self.write(scene, &redesigned_limb(scene, &tasked, &found), Some(&targets))?;
+        let designed = Designed::new(&file, Vec::new());
+        self.say(scene, &file, &found, (Vec::new(), &designed), || deformed(scene, &tasked, &found))?;
+        self.judge(&file, designed, found.does_it(), "not every target is reached: see the differences above")
     }
 
     /// Searches every order of motions, from where an earlier search ended.

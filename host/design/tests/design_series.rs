@@ -1,0 +1,162 @@
+//! Limbs with an actuator of segments, designed from hidden ones: what is found is a scene whose tip is where the hidden limb has its own.
+
+use softlimb_design::from_scene::{
+    BriefError, design_to_run, loaded_design, loaded_text, redesigned_limb, targets, task,
+};
+use softlimb_design::loaded::{Effort, search};
+use softlimb_design::synthesis::Budget;
+use softlimb_limb::Limb;
+use softlimb_limb::statics::{Load, LoadedLimb};
+use softlimb_motion as motion;
+use softlimb_scene::{self as scene, Scene};
+
+/// An actuator that extends, twists and bends, and a bending wrist.
+const SCENE: &str = r#"
+format = 1
+name = "series"
+materials.silicone = { law = "neo-hookean", shear_modulus = "0.223 MPa" }
+
+[windings.hoop]
+angle = "3 deg"
+families = 2
+thread = { stiffness = "772 N", diameter = "0.178 mm" }
+
+[windings.helix]
+angle = "30 deg"
+families = 1
+thread = { stiffness = "772 N", diameter = "0.178 mm" }
+
+[limb]
+base_direction = [0, 0, -1]
+base_up = [1, 0, 0]
+connector = { length = "15 mm", mass = "20 g" }
+
+[[module]]
+name = "finger"
+motion = "bending"
+actuators = 1
+inner_radius = "INNER"
+outer_radius = "OUTER"
+end_length = "4 mm"
+material = "silicone"
+bounds = { inner_radius = ["7 mm", "11 mm"], wall = ["3 mm", "5 mm"] }
+
+[[module.segments]]
+motion = "extension"
+length = "EXTENDS"
+winding = "hoop"
+bounds = { length = ["50 mm", "120 mm"], fiber_angle = ["2 deg", "12 deg"] }
+
+[[module.segments]]
+motion = "twisting"
+length = "80 mm"
+winding = "helix"
+
+[[module.segments]]
+motion = "bending"
+length = "BENDS"
+bend_direction = "90 deg"
+bounds = { length = ["80 mm", "180 mm"] }
+
+[[module]]
+name = "wrist"
+motion = "bending"
+actuators = 1
+inner_radius = "10 mm"
+outer_radius = "14 mm"
+length = "150 mm"
+material = "silicone"
+
+[weight]
+simulated = SIMULATED
+
+[design]
+mount_angle = "free"
+
+[limits]
+pressure_max = "80 kPa"
+load_factor_min = 1
+tip_stiffness_min = "1 N/m"
+buckling_margin_min = 1
+"#;
+
+fn read(text: &str) -> Scene {
+    scene::parse(text, "series.toml").unwrap_or_else(|error| panic!("{}\n{text}", error.render(false)))
+}
+
+/// The scene of sizes, m, with a phase for each tip.
+fn text([inner, outer, extends, bends]: [f64; 4], tips_m: &[[f64; 3]], weight: bool) -> String {
+    let mm = |value: f64| format!("{} mm", 1e3 * value);
+    let sizes = [("INNER", inner), ("OUTER", outer), ("EXTENDS", extends), ("BENDS", bends)];
+    let sized = sizes.iter().fold(SCENE.to_owned(), |text, (key, value)| text.replace(key, &mm(*value)));
+    let phase = |(index, tip): (usize, &[f64; 3])| format!("[[phase]]\nname = \"p{index}\"\nhold = \"1 s\"\ntip = {tip:?}\n");
+    let phases: String = tips_m.iter().enumerate().map(phase).collect();
+    sized.replace("SIMULATED", &weight.to_string()) + &phases
+}
+
+const HIDDEN: [f64; 4] = [8.6e-3, 12.4e-3, 0.091, 0.142];
+const STATED: [f64; 4] = [9e-3, 13e-3, 0.07, 0.12];
+/// Pressures of finger and wrist, Pa.
+const PRESSURES_PA: [[f64; 2]; 3] = [[25e3, 8e3], [40e3, 30e3], [52e3, 15e3]];
+
+fn distance_m(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+fn tip_m(limb: &Limb, pressures_pa: &[f64]) -> [f64; 3] {
+    let states: Vec<_> = limb.modules().iter().zip(pressures_pa).map(|(module, pa)| module.curve.at(*pa)).collect();
+    limb.tip(&states)
+}
+
+#[test]
+fn way_points_of_a_hidden_limb_are_reached_and_the_scene_can_be_run() {
+    let hidden = Limb::new(&read(&text(HIDDEN, &[[0.0, 0.0, 0.1]], false))).unwrap();
+    let tips_m = PRESSURES_PA.map(|pressures_pa| tip_m(&hidden, &pressures_pa));
+    let wanted = read(&text(STATED, &tips_m, false));
+    let tasked = task(&wanted).unwrap();
+    assert_eq!(tasked.spaces.iter().map(|space| space.joined).collect::<Vec<_>>(), [false, true, true, false]);
+    let designed = |limb: &_| read(&scene::redesigned(&wanted, &redesigned_limb(&wanted, &tasked, limb), None).unwrap());
+    let plan = |limb: &_| {
+        let scene = designed(limb);
+        motion::plan(&scene, &Limb::new(&scene).unwrap()).ok().map(|_| 0)
+    };
+    let found = design_to_run(&tasked.task, &tasked.spaces, &Budget::default(), plan).unwrap();
+    assert!(found.limb.does_it() && found.via_points.is_some(), "{:?}", found.limb.shortfall);
+    let limb = Limb::new(&designed(&found.limb)).unwrap();
+    for (answer, tip) in found.limb.way_points.iter().zip(tips_m) {
+        let [finger @ .., wrist] = &answer.pressure_pa[..] else { panic!("{answer:?}") };
+        assert!(finger.iter().all(|pressure| pressure == &finger[0]), "one chamber: {finger:?}");
+        let off_m = distance_m(tip_m(&limb, &[finger[0], *wrist]), tip);
+        println!("{off_m:e}");
+        assert!(off_m < 1e-6, "{off_m:e}");
+    }
+}
+
+/// The tip under its own weight by the statics of a scene, m.
+fn hanging_tip_m(scene: &Scene, limb: &Limb, pressures_pa: &[f64]) -> [f64; 3] {
+    let bays = vec![1; limb.modules().len()];
+    let loaded = LoadedLimb::new(scene, limb, pressures_pa, &bays, &Load::default()).unwrap();
+    loaded.stand(1e-5, scene.rest_length_m()).unwrap().tip_m
+}
+
+#[test]
+fn tips_of_a_hidden_limb_under_its_weight_are_reached() {
+    let hidden = read(&text(HIDDEN, &[[0.0, 0.0, -0.3]], true));
+    let limb = Limb::new(&hidden).unwrap();
+    let tips_m = PRESSURES_PA.map(|pressures_pa| hanging_tip_m(&hidden, &limb, &pressures_pa));
+    println!("{tips_m:?}");
+    let wanted = read(&text(STATED, &tips_m, true));
+    let design = loaded_design(&wanted).unwrap();
+    let (task, space) = (&design.task, &design.space);
+    let effort = Effort { starts: 8, steps: 25, raises: 0, ..Effort::default() };
+    let found = search(task, space, &space.first_guess(), &effort, &|| false).unwrap();
+    assert!(found.reached, "{:?}", found.evaluation.lacks);
+    let designed = read(&loaded_text(&wanted, &design, &found.evaluation).unwrap());
+    let limb = Limb::new(&designed).unwrap();
+    for (pose, tip) in found.confirmed.iter().zip(tips_m) {
+        assert_eq!(pose.pressures_pa.len(), 2, "one chamber for all segments");
+        let off_m = distance_m(hanging_tip_m(&designed, &limb, &pose.pressures_pa), tip);
+        println!("{off_m:e}");
+        assert!(off_m < 1.5e-4, "{off_m:e}");
+    }
+}
