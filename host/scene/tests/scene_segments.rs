@@ -1,7 +1,7 @@
 //! Modules of several segments: what is read, and what is refused at which line.
 
 use fra_model::{Motion, StateQuantity};
-use softlimb_scene::{Scene, parse, rewritten};
+use softlimb_scene::{Redesign, Scene, parse, redesigned, rewritten};
 
 use crate::scene_support::SCENE;
 
@@ -142,6 +142,74 @@ fn number_of_segments_is_bounded() {
     assert!(one.contains("`segments` needs 2 to 8 tables") && one.contains("the number here is 1"), "{one}");
     let nine = refused(first, &first.repeat(8));
     assert!(nine.contains("the number here is 9"), "{nine}");
+}
+
+#[test]
+fn bounds_of_lengths_and_fiber_angles_are_those_of_segments() {
+    let bounds = "bounds = { length = [\"80 mm\", \"120 mm\"], fiber_angle = [\"2 deg\", \"9 deg\"] }";
+    let scene = read("winding = \"hoop\"", &format!("winding = \"hoop\"\n{bounds}"));
+    let [first, second] = &scene.modules()[1].segments[..] else { panic!("two segments") };
+    let length_m = first.bounds.length_m.map(|bounds| *bounds);
+    assert!(length_m.is_some_and(|[low, high]| (low - 0.08).abs() < 1e-15 && (high - 0.12).abs() < 1e-15));
+    assert!(first.bounds.fiber_angle_rad.is_some() && first.bounds.inner_radius_m.is_none());
+    assert!(second.bounds.length_m.is_none());
+    let of_module =
+        refused("actuators = 1", "actuators = 1\nbounds = { wall = [3, 5], length = [200, 300], spacing = [1, 2] }");
+    let place = "for a module with `segments`, each of which has its own in `[module.segments.bounds]`";
+    assert!(of_module.contains(&format!("`length` has no meaning {place}")), "{of_module}");
+    assert!(of_module.contains("`spacing` has no meaning for a module with `segments`"), "{of_module}");
+    let bender = refused("bend_direction", "bounds = { fiber_angle = [\"2 deg\", \"9 deg\"] }\nbend_direction");
+    assert!(bender.contains("`fiber_angle` has no meaning in a bending segment"), "{bender}");
+}
+
+/// The first segment is wound with a thread that another module has, too.
+#[test]
+fn segments_that_a_design_found_are_written_and_comments_stay() {
+    let scene = read("length = \"100 mm\"", "length = \"100 mm\"   # extends");
+    let modules: Vec<Redesign> = scene
+        .modules()
+        .iter()
+        .map(|module| Redesign {
+            name: module.name.to_string(),
+            like: module.name.to_string(),
+            motion: if *module.motion == Motion::Bending { "bending" } else { "extension" },
+            bundle: (module.actuators, module.arrangement),
+            mount_angle_rad: module.mount_angle_rad,
+            radii_m: [*module.inner_radius_m, *module.outer_radius_m + 1e-3],
+            length_m: *module.length_m + module.segments.len() as f64 * 5e-3,
+            winding: module.fiber.filter(|_| module.segments.is_empty()).map(|fiber| fiber.angle_rad),
+            segments: module
+                .segments
+                .iter()
+                .map(|segment| (*segment.length_m + 5e-3, segment.fiber.map(|fiber| fiber.angle_rad + 0.1)))
+                .collect(),
+        })
+        .collect();
+    let text = redesigned(&scene, &modules, None).unwrap();
+    let again = parse(&text, "again.toml").unwrap_or_else(|error| panic!("{}\n{text}", error.render(false)));
+    for (before, after) in scene.modules().iter().zip(again.modules()) {
+        assert_eq!(before.segments.len(), after.segments.len());
+        for (before, after) in before.segments.iter().zip(&after.segments) {
+            assert!((*after.length_m - *before.length_m - 5e-3).abs() < 1e-9);
+            assert_eq!(before.bend_direction_rad, after.bend_direction_rad);
+            let [fiber, found] = [before.fiber, after.fiber];
+            assert_eq!(fiber.is_some(), found.is_some());
+            if let (Some(fiber), Some(found)) = (fiber, found) {
+                assert!((found.angle_rad - fiber.angle_rad - 0.1).abs() < 1e-8);
+                // What the thread is in the author's scene stays as its radius grows.
+                assert!(
+                    (found.modulus_pa / fiber.modulus_pa - 1.0).abs() < 1e-6,
+                    "{} {}",
+                    found.modulus_pa,
+                    fiber.modulus_pa
+                );
+            }
+        }
+        if before.segments.is_empty() {
+            assert_eq!(before.fiber.map(|fiber| fiber.angle_rad), after.fiber.map(|fiber| fiber.angle_rad));
+        }
+    }
+    assert!(text.contains("length = \"105 mm\"   # extends"), "{text}");
 }
 
 #[test]

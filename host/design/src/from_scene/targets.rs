@@ -2,8 +2,8 @@
 
 use fra_model::{Motion, StateQuantity};
 
-use super::space::{parts, refuse_restrained, refuse_steering, segment};
 use super::error::BriefError;
+use super::space::{parts, refuse_restrained, refuse_steering, segment};
 use super::task::{Tasked, tasked};
 use crate::actuators as fit;
 use crate::actuators::{Problem, SegmentAnswer};
@@ -57,7 +57,8 @@ pub fn totals(scene: &Scene) -> Result<Tasked, BriefError> {
         let mut held = vec![None; firsts.len()];
         let mut way_points = Vec::new();
         for phase in scene.phases() {
-            for ((index, module), (first, held)) in scene.modules().iter().enumerate().zip(firsts.iter().zip(&mut held)) {
+            for ((index, module), (first, held)) in scene.modules().iter().enumerate().zip(firsts.iter().zip(&mut held))
+            {
                 let goal = goal(scene, phase, index, module.moving_length_m())?;
                 *held = goal.map(|goal| Total { first: *first, motion: *module.motion, value: goal.value }).or(*held);
             }

@@ -141,7 +141,8 @@ impl Shape {
     fn total(&self, made: &[Made], total: &Total) -> f64 {
         let segments = made[total.first + 1..].iter().take_while(|made| made.joined).count() + 1;
         let own = total.first..total.first + segments;
-        let sum = |of: fn(&Segment<f64>) -> f64| self.links[own.clone()].iter().map(|(link, _)| of(&link.segment)).sum();
+        let sum =
+            |of: fn(&Segment<f64>) -> f64| self.links[own.clone()].iter().map(|(link, _)| of(&link.segment)).sum();
         match total.motion {
             Motion::Extension => sum(|segment| segment.length_m),
             Motion::Bending => sum(|segment| segment.bend_angle_rad),

@@ -33,4 +33,6 @@ mod variant;
 pub use candidate::{CLEAR_M, Candidate, Figures, ModuleDesign, ModuleMotion, REACHED_M, Shortfall, WayPointAnswer};
 pub use choice::{Choice, Choosing, Outcome, Searched, choose};
 pub use order::{Budget, Evaluator, design};
-pub use task::{Aim, Direction, MOST_MODULES, MOST_PARTS, MOST_WAY_POINTS, Obstacle, Space, Task, TaskError, Total, WayPoint};
+pub use task::{
+    Aim, Direction, MOST_MODULES, MOST_PARTS, MOST_WAY_POINTS, Obstacle, Space, Task, TaskError, Total, WayPoint,
+};

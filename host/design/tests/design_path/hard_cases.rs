@@ -111,7 +111,15 @@ fn nonsense_is_refused_with_its_place() {
         message(&Task { way_points: Vec::new(), ..good.clone() }, &spaces),
         "way_points: 0 is not allowed: 1 to 100"
     );
-    assert_eq!(message(&good, &[]), "modules: 0 is not allowed: 1 to 8");
+    assert_eq!(message(&good, &[]), "modules and segments: 0 is not allowed: 1 to 16");
+    let alike = "no geometry within the bounds can be solved: a segment has the radii, the pressure and the places of the one before it";
+    let mut segments = modules(&[Motion::Extension, Motion::Bending]);
+    segments[1].joined = true;
+    segments[1].segment.bounds.sizes_m[1][1] += 1e-3;
+    assert_eq!(message(&good, &segments), format!("module bending: {alike}"));
+    let mut first = spaces.clone();
+    first[0].joined = true;
+    assert_eq!(message(&good, &first), format!("module extension: {alike}"));
     let mut inverted = spaces.clone();
     inverted[0].segment.bounds.length_m = [0.3, 0.1];
     assert_eq!(

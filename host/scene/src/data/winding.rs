@@ -19,7 +19,7 @@ impl Scene {
         let series = self.modules().iter().find_map(|module| Some((module, module.segments.get(1)?)));
         let Some((module, second)) = series else { return Ok(()) };
         let title = format!("`{}` has several segments, and {room} takes modules of one", &*module.name);
-        let help = "`check`, `run`, `statics`, `workspace` and `fabricate` take segments";
+        let help = "`check`, `run`, `statics`, `workspace`, `design limb` and `fabricate` take segments";
         Err(self.diagnostic(second.span, &title, "the second segment", Some(help)))
     }
 

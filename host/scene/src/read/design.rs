@@ -54,8 +54,9 @@ pub(super) fn module_bounds(module: &Reader<'_>) -> Option<ModuleBounds> {
     use bounds::{CIRCLE_RADIUS, FIBER_ANGLE, INNER_RADIUS, LENGTH, SPACING, WALL};
     if module.key_span(schema::module::SEGMENTS.name).is_some() {
         let own = [LENGTH.name, FIBER_ANGLE.name];
-        let each = reader.forbid(&own, "of a module with `segments`, which have `[module.segments.bounds]`");
-        reader.forbid(&[CIRCLE_RADIUS.name, SPACING.name], "of a module with `segments`, which has one actuator")?;
+        let each = reader
+            .forbid(&own, "for a module with `segments`, each of which has its own in `[module.segments.bounds]`");
+        reader.forbid(&[CIRCLE_RADIUS.name, SPACING.name], "for a module with `segments`, which has one actuator")?;
         each?;
     }
     pairs(&reader, [INNER_RADIUS, WALL, LENGTH, FIBER_ANGLE, CIRCLE_RADIUS, SPACING])
