@@ -132,17 +132,6 @@ fn two_windings_are_checked_and_otherwise_refused_at_the_line() {
         let answer = desk.softlimb(verb);
         assert!(matches!(answer.code, Some(0 | 3)), "{verb}: {answer:?}");
     }
-    // With all sizes given the design is the scene with its pressures.
-    let text = desk.softlimb("design limb scene.toml --out designed.toml").done().out;
-    assert!(
-        text.contains("reached: highest pressure") && text.contains("finger segment 2: inner radius 6.0000 mm"),
-        "{text}"
-    );
-    let curl = text.lines().find(|line| line.starts_with("curl")).expect("a line for the phase");
-    assert_eq!(curl.split_whitespace().skip(2).take(4).collect::<Vec<_>>(), ["60.0000", "deg", "60.0000", "deg"]);
-    let designed = desk.softlimb("design limb scene.toml --out designed.toml --json").done().json();
-    assert_eq!(designed["answer"]["modules"].as_array().map(Vec::len), Some(2), "{designed}");
-    assert!(matches!(desk.softlimb("check designed.toml").code, Some(0)));
     let made = desk.softlimb("fabricate scene.toml --no-mold --out made");
     assert!(matches!(made.code, Some(0 | 3)), "{made:?}");
     let files =
@@ -349,6 +338,17 @@ fn module_of_segments_is_checked_and_otherwise_refused_at_the_line() {
         let answer = desk.softlimb(verb);
         assert!(matches!(answer.code, Some(0 | 3)), "{verb}: {answer:?}");
     }
+    // With all sizes given the design is the scene with its pressures.
+    let text = desk.softlimb("design limb scene.toml --out designed.toml").done().out;
+    assert!(
+        text.contains("reached: highest pressure") && text.contains("finger segment 2: inner radius 6.0000 mm"),
+        "{text}"
+    );
+    let curl = text.lines().find(|line| line.starts_with("curl")).expect("a line for the phase");
+    assert_eq!(curl.split_whitespace().skip(2).take(4).collect::<Vec<_>>(), ["60.0000", "deg", "60.0000", "deg"]);
+    let designed = desk.softlimb("design limb scene.toml --out designed.toml --json").done().json();
+    assert_eq!(designed["answer"]["modules"].as_array().map(Vec::len), Some(2), "{designed}");
+    assert!(matches!(desk.softlimb("check designed.toml").code, Some(0)));
     let made = desk.softlimb("fabricate scene.toml --no-mold --out made");
     assert!(matches!(made.code, Some(0 | 3)), "{made:?}");
     assert!(desk.content().contains(&"made/finger.1-thread-right.csv".to_owned()), "{:?}", desk.content());

@@ -152,7 +152,7 @@ fn module_space(scene: &Scene, part: &Part) -> Result<ModuleSpace, SceneError> {
         angle_rad: pair(bounds.fiber_angle_rad, module.fiber.as_ref().map_or(0.0, |fiber| fiber.angle_rad)),
         spread_m: pair(spread, own_m),
         spacer_kg: module.spacer_mass_kg,
-        // Nothing is between the segments of an actuator.
+        // Segments of one actuator have no plates between them.
         bay_m: design.filter(|_| of.segments.is_empty()).map_or(f64::INFINITY, |design| design.bay_m),
         steering: module.steering,
         mount_angle_rad: [module.mount_angle_rad - turn, module.mount_angle_rad + turn],

@@ -286,7 +286,7 @@ mod tests {
             posed.task.way_points[2].aim = Some(Aim::Inside { center_m: axis * 0.4, half_m, rotation });
             let total = |first: usize| Total { first, motion: posed.spaces[first].motion(), value: 0.7 };
             posed.task.way_points[3].totals = vec![total(0), total(1)];
-            // A segment behind another one; those of a chain that twists have no circle.
+            // A segment of the same actuator; that of kind B is alone, and not on a circle as the next are.
             posed.spaces[1].joined = kind != Kind::B;
             if kind == Kind::B {
                 posed.spaces[2] = space(fra_model::Motion::Expansion);

@@ -25,7 +25,7 @@ section! {
 }
 
 section! {
-    /// Bounds of one segment of a module, for `softlimb design limb` with `tip` or `inside`; a quantity without a pair keeps the segment's own value.
+    /// Bounds of one segment of a module for `softlimb design limb`; a quantity without a pair keeps the segment's own value.
     segment_bounds, "module.segments.bounds";
     LENGTH: Pair { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Optional("the segment's own") } = "Length at rest, of the first and of the last segment with their end.";
     FIBER_ANGLE: Pair { name: "fiber_angle", unit: Unit::DEG, min: -90.0, max: 90.0, presence: Optional("that of the segment's winding") } = "Fiber angle from the hoop direction. A bending segment has none.";

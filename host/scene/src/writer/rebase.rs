@@ -40,7 +40,7 @@ pub fn redesigned_at(
     let read = crate::parse(&text, scene.source_name()).map_err(RewriteError::Refused)?;
     let unwritten = |what| RewriteError::NotWritten { module: modules[0].name.clone(), what };
     let mut draft = Draft::new(&read).ok_or_else(|| unwritten("text"))?;
-    // Nothing is between the segments of a module.
+    // Segments of one actuator have no plates between them.
     let plated = spacers.iter().enumerate().filter(|(index, _)| modules[*index].segments.is_empty());
     for (index, count) in plated {
         put(draft.module(index).ok_or_else(|| unwritten("spacers"))?, module::SPACERS.name, i64::from(*count).into());
