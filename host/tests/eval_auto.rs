@@ -79,6 +79,13 @@ fn wound_benders_state_what_two_degrees_of_winding_do() {
         assert_eq!(without["bend_angle_rad"], answer["bend_angle_rad"]);
         assert!(without["errors"].get("winding_2deg").is_none(), "{without}");
     }
+    // All solutions are analytic, with the error that this may be.
+    let all = with(with(wound(20.0), "problem", json!("inverse")), "target", json!({"bend_angle_rad": 0.5}));
+    let mut all = with(all, "solutions", json!("all"));
+    all.as_object_mut().unwrap().remove("pressure_pa");
+    let found = ask(&all);
+    assert_eq!(found["model"], "analytic", "{found}");
+    assert!(number(&found["errors"], "model") > 0.005 && number(&found["errors"], "winding_2deg") > 0.02, "{found}");
     let mut bare = with(wound(3.0), "errors", json!(true));
     bare.as_object_mut().unwrap().remove("fiber");
     assert!(ask(&bare)["errors"].get("winding_2deg").is_none());
