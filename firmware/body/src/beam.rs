@@ -56,12 +56,12 @@ pub(crate) struct Strain {
 }
 
 impl Strain {
-    /// The main strain of a law.
-    pub(crate) fn main(&self, main: Main) -> f64 {
+    /// The strains of a law's potential.
+    pub(crate) fn of(&self, main: Main) -> [f64; 2] {
         match main {
-            Main::Stretch => self.stretch - 1.0,
-            Main::Bend => self.bend_rad_per_m[0],
-            Main::Twist => self.twist_rad_per_m,
+            Main::Stretch => [self.stretch - 1.0, 0.0],
+            Main::Bend => [self.bend_rad_per_m[0], 0.0],
+            Main::Twist => [self.stretch - 1.0, self.twist_rad_per_m],
         }
     }
 }
@@ -105,22 +105,22 @@ impl Beam<'_> {
         let strain = self.strain_of(local);
         let (chord_m, twist_rad) = (local[0], local[5]);
         let Law { main, ref potential, ref stiffness, .. } = *self.law;
-        let left_pa = self.pressure_pa - excess_pa(self.law.deformation(strain.main(main)));
+        let left_pa = self.pressure_pa - excess_pa(self.law.deformation(strain.of(main), self.pressure_pa));
         let [towards, across, torsion] = self.springs;
         let [a, b] = slopes(local);
         // Loads of the mean strains: axial force, bending moments, torque.
         let straight = |axis: usize| [towards, across][axis] * strain.bend_rad_per_m[axis];
         let (axial_n, moments, torque_nm) = match main {
             Main::Stretch => {
-                let [force, _] = potential.loads([strain.stretch - 1.0, 0.0], left_pa);
+                let [force, _] = potential.loads(strain.of(main), left_pa);
                 (force, [straight(0), straight(1)], torsion * strain.twist_rad_per_m)
             }
             Main::Bend => {
-                let [moment, _] = potential.loads([strain.bend_rad_per_m[0], 0.0], left_pa);
+                let [moment, _] = potential.loads(strain.of(main), left_pa);
                 (stiffness.strip_n * (strain.stretch - 1.0), [moment, straight(1)], torsion * strain.twist_rad_per_m)
             }
             Main::Twist => {
-                let [force, torque] = potential.loads([strain.stretch - 1.0, strain.twist_rad_per_m], left_pa);
+                let [force, torque] = potential.loads(strain.of(main), left_pa);
                 (force, [straight(0), straight(1)], torque)
             }
         };

@@ -158,8 +158,8 @@ impl Body {
     fn approach(&mut self, pressures_pa: &[f64], load: &Load, span_s: f64, halvings: u32) -> Result<(), Fallen> {
         let before = self.clone();
         if self.iterate(pressures_pa, load, span_s, None) {
-            self.remember(span_s);
             (self.pressures_pa, self.load) = (pressures_pa.to_vec(), *load);
+            self.remember(span_s);
             return Ok(());
         }
         *self = before;
@@ -179,7 +179,11 @@ impl Body {
     pub(crate) fn remember(&mut self, span_s: f64) {
         for index in 0..self.bays.len() {
             let ends = [*self.below(index), self.nodes[index]];
-            self.bays[index].tubes.iter_mut().for_each(|tube| tube.remember([&ends[0], &ends[1]], span_s));
+            let pressures_pa = &self.pressures_pa;
+            self.bays[index]
+                .tubes
+                .iter_mut()
+                .for_each(|tube| tube.remember([&ends[0], &ends[1]], pressures_pa, span_s));
         }
     }
 

@@ -52,6 +52,20 @@ impl Potential {
         })
     }
 
+    /// Volume per length at rest that strains have let a pressure fill, m2: minus the derivative of the potential by the pressure. Straight behind the range.
+    pub fn filled_m2(&self, strains: [f64; 2], pressure_pa: f64) -> f64 {
+        let inside = [0, 1].map(|axis: usize| strains[axis].clamp(self.range[axis][0], self.range[axis][1]));
+        let beyond = [0, 1].map(|axis: usize| (strains[axis] - inside[axis]) / self.units[axis]);
+        let [x, y, p] = [inside[0] / self.units[0], inside[1] / self.units[1], pressure_pa / self.units[2]];
+        let [x, y, p] = [powers(x), powers(y), powers(p)];
+        let of_term = |Term { powers: [i, j, m], coefficient }: &Term| {
+            let [i, j, m] = [usize::from(*i), usize::from(*j), usize::from(*m)];
+            let ([by_x, _], [by_y, _], [by_p, _]) = (derivatives(&x, i), derivatives(&y, j), derivatives(&p, m));
+            coefficient * by_p * (x[i] * y[j] + by_x * y[j] * beyond[0] + x[i] * by_y * beyond[1])
+        };
+        -self.terms.iter().map(of_term).sum::<f64>() / self.units[2]
+    }
+
     fn loads_and_slopes(&self, strains: [f64; 2], pressure_pa: f64) -> ([f64; 2], [[f64; 2]; 2]) {
         let [x, y, p] = [strains[0] / self.units[0], strains[1] / self.units[1], pressure_pa / self.units[2]];
         let [x, y, p] = [powers(x), powers(y), powers(p)];
@@ -116,6 +130,8 @@ pub struct Law {
     pub stiffness: Stiffness,
     /// Pressure of the tube without load, Pa, over the magnitude of its main strain: stretch less one, or rate of bend or twist.
     pub elastic: Curve,
+    /// Of a tube that twists, the magnitude of its main strain without load over the volume that the pressure has filled, m2.
+    pub filled: Option<Curve>,
 }
 
 impl Law {
@@ -127,9 +143,13 @@ impl Law {
         [at(towards), at(across), at(&self.stiffness.torsion_nm2)]
     }
 
-    /// The magnitude of the main strain.
-    pub(crate) fn deformation(&self, main: f64) -> f64 {
-        self.sign * main
+    /// Deformation that the memory remembers: the magnitude of the main strain, of a tube that twists that of the tube without load whose pressure has filled
+    /// as much volume. Pressures do work on volumes: a memory of the twist alone would feed vibrations in which the tube stretches against its twist.
+    pub(crate) fn deformation(&self, strains: [f64; 2], pressure_pa: f64) -> f64 {
+        match &self.filled {
+            Some(filled) => filled.at(self.potential.filled_m2(strains, pressure_pa)),
+            None => self.sign * strains[usize::from(self.main == Main::Twist)],
+        }
     }
 }
 
@@ -154,6 +174,24 @@ mod tests {
         let (x, y, p) = (1.5, -0.4, 2.0);
         assert!((first - (4.0 * x * y * p + 9.0 * x * x) / 2.0).abs() < 1e-12);
         assert!((second - (2.0 * x * x * p + 2.0 * y) / 5.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn volume_changes_by_strains_as_loads_do_by_the_pressure() {
+        let (potential, h) = (potential(), 1e-4);
+        let strains = [3.0, -2.0];
+        for axis in 0..2 {
+            let loads = |pressure_pa: f64| potential.loads(strains, pressure_pa)[axis];
+            let filled = |by: f64| {
+                let mut at = strains;
+                at[axis] += by;
+                potential.filled_m2(at, 20.0)
+            };
+            let expected = (loads(20.0 - h) - loads(20.0 + h)) / (2.0 * h);
+            assert!(((filled(h) - filled(-h)) / (2.0 * h) - expected).abs() < 1e-6, "axis {axis}: {expected}");
+        }
+        let behind = |x: f64| potential.filled_m2([x, 3.0], 20.0);
+        assert!((behind(5.0) - 2.0 * behind(4.5) + behind(4.0)).abs() < 1e-12);
     }
 
     #[test]

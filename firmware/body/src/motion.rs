@@ -171,8 +171,8 @@ impl Moving {
             *velocity = mean * 2.0 - *velocity;
         }
         self.body.go_on(&start);
-        self.body.remember(span_s);
         (self.body.pressures_pa, self.body.load) = (pressures_pa.to_vec(), *load);
+        self.body.remember(span_s);
         true
     }
 }

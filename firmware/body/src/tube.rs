@@ -93,7 +93,7 @@ impl Tube {
         for (index, memory) in self.memory.iter().enumerate() {
             let ends = [&nodes[index], &nodes[index + 1]];
             // Value and slope of the memory serve all differences.
-            let at = self.law.deformation(beam.strain(ends).main(self.law.main));
+            let at = self.law.deformation(beam.strain(ends).of(self.law.main), beam.pressure_pa);
             let excess_pa = |deformation: f64| memory.excess_pa(&self.law.elastic, deformation, span_s);
             let step = MEMORY_STEP * self.law.elastic.end()[0];
             let value_pa = excess_pa(at);
@@ -159,11 +159,11 @@ impl Tube {
         self.inner.iter_mut().zip(&start.inner).for_each(|(node, was)| *node = was.beyond(node));
     }
 
-    /// Remembers the present shape, `span_s` after the last instant.
-    pub(crate) fn remember(&mut self, plates: [&Node; 2], span_s: f64) {
-        let strains = self.strains(plates);
+    /// Remembers the present shape at pressures, `span_s` after the last instant.
+    pub(crate) fn remember(&mut self, plates: [&Node; 2], pressures_pa: &[f64], span_s: f64) {
+        let (strains, pressure_pa) = (self.strains(plates), pressures_pa[self.channel]);
         for (memory, strain) in self.memory.iter_mut().zip(strains) {
-            memory.advance(&self.law.elastic, self.law.deformation(strain.main(self.law.main)), span_s);
+            memory.advance(&self.law.elastic, self.law.deformation(strain.of(self.law.main), pressure_pa), span_s);
         }
     }
 

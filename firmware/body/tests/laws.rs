@@ -37,6 +37,7 @@ impl Springs {
                 shear_n: self.shear_n,
             },
             elastic: Curve::rising(&points).unwrap(),
+            filled: None,
         }
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use nalgebra::{Complex, Isometry3, Translation3, UnitQuaternion, Vector3};
-use softlimb_body::{Bay, Body, Effects, Main, Mass, MemoryParameters, Moving, Plate, Tube};
+use softlimb_body::{Bay, Body, Curve, Effects, Main, Mass, MemoryParameters, Moving, Plate, Potential, Term, Tube};
 
 use super::laws::Springs;
 
@@ -278,4 +278,43 @@ fn bounce_decays_by_the_loss_of_the_tube() {
     let period_s = (later.0 - first.0) / 5.0;
     println!("decay {rate:.4} 1/s beside {:.4}, period {period_s:.4} s beside {:.4}", w.im, TAU / w.re);
     assert!((rate / w.im - 1.0).abs() < 0.03 && (period_s * w.re / TAU - 1.0).abs() < 5e-3);
+}
+
+/// A tube that twists and stretches, with the pressure held: whatever the start, damping takes energy from its two vibrations. A memory of the twist alone
+/// fed the one in which it stretches against its twist.
+#[test]
+fn vibrations_of_a_tube_that_twists_die_away() {
+    // Loads `N = a s + c t - f p` and `Q = c s + b t - g p`: a free tube that a pressure twists and shortens.
+    let (a, b, c, f, g) = (2e3, 0.2, 6.0, -0.01, 2e-4);
+    let term = |powers, coefficient| Term { powers, coefficient };
+    let terms = vec![
+        term([2, 0, 0], 0.5 * a),
+        term([0, 2, 0], 0.5 * b),
+        term([1, 1, 0], c),
+        term([1, 0, 1], -f),
+        term([0, 1, 1], -g),
+    ];
+    let [stretch, twist] = [(f * b - g * c) / (a * b - c * c), (g * a - f * c) / (a * b - c * c)];
+    let line = |by: f64, value: f64| Curve::rising(&[[0.0, 0.0], [by, value]]).unwrap();
+    let mut law = STIFF.law(Main::Twist);
+    law.potential = Potential { units: [1.0; 3], range: [[-1e3, 1e3]; 2], terms };
+    law.elastic = line(twist * 1e5, 1e5);
+    law.filled = Some(line((f * stretch + g * twist) * 1e5, twist * 1e5));
+    let memory = MemoryParameters::default().with(Effects { damping: true, ..Effects::NONE });
+    let tubes = vec![Tube::new(Arc::new(law), 0, [Isometry3::identity(); 2], (0.1, 1), memory)];
+    let bay = Bay { rest: Isometry3::translation(0.0, 0.0, 0.1), tubes };
+    let masses = vec![mass(0.05, 0.0, 0.0, 0.1), mass(-0.05, 0.0, 0.0, 0.1)];
+    let body = Body::new(&Isometry3::identity(), vec![bay], vec![Plate { masses }], [0.0; 3], [0.0; 3]);
+    for (velocity, spin) in [(0.02, 0.0), (0.0, 0.4), (0.02, 0.4), (0.02, -0.4)] {
+        let mut moving = Moving::new(body.clone());
+        moving.settle(&[0.0], 0.0, 0.0).unwrap();
+        moving.push([0.0, 0.0, velocity], [0.0, 0.0, spin]);
+        let mut most = [0.0_f64; 3];
+        for step in 0..6000 {
+            moving.advance(&[0.0], 0.0, 1e-3).unwrap();
+            most[step / 2000] = most[step / 2000].max(moving.kinetic_j(0.0));
+        }
+        println!("{velocity} m/s, {spin} rad/s: {most:?} J");
+        assert!(most[1] < 0.9 * most[0] && most[2] < 0.9 * most[1], "{most:?}");
+    }
 }

@@ -56,8 +56,15 @@ pub(super) fn law(wound: &Wound, stiffness: &Stiffness, pressure_max_pa: f64) ->
         points.extend(curve.answers.iter().filter_map(|answer| point(parameters.motion, answer, loads)));
     }
     let main = main(parameters.motion);
-    let Some((potential, elastic, sign)) = fitted(main, &points, highest_pa) else { return Ok(None) };
-    Ok(Some(Law { main, sign, potential, stiffness: stiffness.clone(), elastic }))
+    let stiffness = stiffness.clone();
+    Ok(fitted(main, &points, highest_pa).map(|fit| Law {
+        main,
+        sign: fit.sign,
+        potential: fit.potential,
+        stiffness,
+        elastic: fit.elastic,
+        filled: fit.filled,
+    }))
 }
 
 /// The springs beside the main strain, from the whole section without load; `None` where it has too few equilibria.
@@ -171,8 +178,16 @@ fn point(motion: Motion, answer: &Answer, loads: [f64; 2]) -> Option<Point> {
     Some(Point { pressure_pa: answer.pressure_pa, strains, loads })
 }
 
-/// The potential, the elastic curve without load, and the sign of the main strain; `None` with too few points.
-fn fitted(main: Main, points: &[Point], pressure_max_pa: f64) -> Option<(Potential, Curve, f64)> {
+/// Loads, curves without load, and the sign of the main strain, as [`Law`] has them.
+struct Fit {
+    potential: Potential,
+    elastic: Curve,
+    filled: Option<Curve>,
+    sign: f64,
+}
+
+/// `None` with too few points, or where no pressure leads on.
+fn fitted(main: Main, points: &[Point], pressure_max_pa: f64) -> Option<Fit> {
     let two = main == Main::Twist;
     let axis = usize::from(two);
     let largest = |axis: usize| points.iter().map(|point| point.strains[axis].abs()).fold(0.0, f64::max);
@@ -222,15 +237,18 @@ fn fitted(main: Main, points: &[Point], pressure_max_pa: f64) -> Option<(Potenti
     let range = [bounds(0), bounds(1)];
     let free: Vec<&Point> = points.iter().filter(|point| point.is_free()).collect();
     let sign = free.last()?.strains[axis].signum();
-    let mut elastic = vec![[0.0; 2]];
+    let potential = Potential { units, range, terms: terms.collect() };
+    let (mut elastic, mut filled) = (vec![[0.0; 2]], vec![[0.0; 2]]);
     for point in free.iter().skip(1) {
         let deformation = sign * point.strains[axis];
         if deformation <= elastic[elastic.len() - 1][0] {
             break;
         }
         elastic.push([deformation, point.pressure_pa]);
+        filled.push([potential.filled_m2(point.strains, point.pressure_pa), deformation]);
     }
-    Some((Potential { units, range, terms: terms.collect() }, Curve::rising(&elastic)?, sign))
+    let filled = if two { Some(Curve::rising(&filled)?) } else { None };
+    Some(Fit { elastic: Curve::rising(&elastic)?, potential, filled, sign })
 }
 
 /// Least-squares cubic of a spring over the pressure, of the highest; the constant first.
