@@ -141,7 +141,7 @@ impl<'a> Carrier<'a> {
             self.hang(&mut body);
             body
         };
-        let moved = nominal.moved(&pose, pressures_pa, loaded.payload_kg.get())?;
+        let moved = nominal.moved(&pose, pressures_pa)?;
         let moved = moved.into_iter().enumerate().map(|(index, moved)| {
             let mut states = states.clone();
             states[index] = self.limb.drive(index).curve.at(pressures_pa[index] + moved.step_pa);

@@ -88,11 +88,27 @@ impl Bundle {
     /// `None` where an actuator has no equilibrium at its pressure or is a series, or where there is not one pressure per actuator. The lines of bending
     /// actuators at different heights hold each other; in a row along the axis of bending they add no stiffness in its plane.
     pub fn new(module: &LimbModule, pressures_pa: &[f64], bays: usize) -> Option<Self> {
+        Self::with_known(module, pressures_pa, bays, Vec::new())
+    }
+
+    /// The bundle of the same module at other gauge pressures, Pa: actuators that keep theirs are not solved again. `None` as of [`Bundle::new`].
+    pub fn at_pressures(&self, module: &LimbModule, pressures_pa: &[f64]) -> Option<Self> {
+        // Where plates hold tubes back, their springs depend on the whole bundle.
+        let known = if module.is_restrained() { &[] } else { &self.springs[..] };
+        let known = known.iter().map(|spring| (spring.pressure_pa(), spring.clone())).collect();
+        Self::with_known(module, pressures_pa, self.bays(module.length_m()), known)
+    }
+
+    fn with_known(
+        module: &LimbModule,
+        pressures_pa: &[f64],
+        bays: usize,
+        mut known: Vec<(f64, Spring)>,
+    ) -> Option<Self> {
         if pressures_pa.len() != module.channels.len() || bays == 0 || module.is_series() {
             return None;
         }
         // Bundles mostly have one pressure, and the model is what costs.
-        let mut known: Vec<(f64, Spring)> = Vec::new();
         let mut springs = Vec::with_capacity(pressures_pa.len());
         for (position, pressure_pa) in module.positions_m().into_iter().zip(pressures_pa) {
             let found = known.iter().find(|(pressure, _)| pressure == pressure_pa).map(|(_, spring)| spring.clone());

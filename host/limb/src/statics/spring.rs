@@ -81,6 +81,11 @@ impl Spring {
         self.actuator.parameters()
     }
 
+    /// Its gauge pressure, Pa.
+    pub(super) fn pressure_pa(&self) -> f64 {
+        self.pressure_pa
+    }
+
     /// Its springs about the shape without load.
     pub fn tangent(&self) -> Tangent {
         self.free

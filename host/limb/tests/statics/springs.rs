@@ -1,7 +1,7 @@
 //! Springs about the strains of a load, against the model of the actuator itself.
 
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement};
-use softlimb_limb::statics::Spring;
+use softlimb_limb::statics::{Bundle, Spring};
 
 use super::tiers::loaded;
 use softlimb_limb::statics::Fidelity;
@@ -95,4 +95,29 @@ fn settled_limbs_are_about_their_own_strains() {
     let moved = (tip(&cold) - free.tip().translation.vector).norm();
     println!("springs at the loaded strains move the tip by {:.1} mm", 1e3 * moved);
     assert!(moved > 1e-4 * length_m);
+}
+
+/// Also of twisting tubes, whose springs depend on each other.
+#[test]
+fn bundle_at_other_pressures_is_the_one_made_there() {
+    let steering = [("extension", "slant", 3, "steering = true")];
+    let all = [("extension", "slant", 3, ""), ("twisting", "helix", 3, ""), ("bending", "slant", 2, "")];
+    for modules in [&steering[..], &all[..]] {
+        let limb = crate::tolerance::limb_of(modules);
+        for module in limb.modules() {
+            let at = |kpa: [f64; 3]| kpa.map(|kpa| 1e3 * kpa)[..module.channels.len()].to_vec();
+            let (from, to) =
+                if module.is_steering() { ([20.0, 5.0, 30.0], [20.0, 7.0, 30.0]) } else { ([20.0; 3], [22.0; 3]) };
+            let moved = Bundle::new(module, &at(from), 2)
+                .and_then(|bundle| bundle.at_pressures(module, &at(to)))
+                .expect("a bundle");
+            let made = Bundle::new(module, &at(to), 2).expect("a bundle");
+            assert_eq!(
+                (moved.free, moved.stiffness, moved.tubes),
+                (made.free, made.stiffness, made.tubes),
+                "{}",
+                module.name
+            );
+        }
+    }
 }

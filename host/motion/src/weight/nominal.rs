@@ -128,10 +128,10 @@ impl<'a> Nominal<'a> {
     }
 
     /// The shape with the pressure of each drive moved by a step, to first order; `None` where a pose is not stable.
-    pub(crate) fn moved(&self, pose: &Pose, pressures_pa: &[f64], payload_kg: f64) -> Option<Vec<Moved>> {
+    pub(crate) fn moved(&self, pose: &Pose, pressures_pa: &[f64]) -> Option<Vec<Moved>> {
         let drives = self.limb.drives().map(|drive| (drive.index, drive.channels));
         let channels_pa = self.limb.channel_values(pressures_pa);
-        self.moved_by(pose, &channels_pa, payload_kg, drives)
+        self.moved_by(pose, &channels_pa, drives)
     }
 
     /// The same with the pressures of groups of channels moved, each of which belongs to a module, from those of all channels.
@@ -139,24 +139,23 @@ impl<'a> Nominal<'a> {
         &self,
         pose: &Pose,
         channels_pa: &[f64],
-        payload_kg: f64,
         groups: impl Iterator<Item = (usize, Range<usize>)>,
     ) -> Option<Vec<Moved>> {
         let (parts, bends) = self.tier.pieces();
         let strains = pose.limb.strains(&pose.rod, &pose.shape.q);
         let responding = pose.shape.responding(&pose.rod, bends)?;
+        let here = pose.limb.at_strains(&strains).ok()?;
         let of_group = |(module, group): (usize, Range<usize>)| {
             let mut moved_pa = channels_pa.to_vec();
             let step_pa = step_pa(&self.limb.modules()[module], channels_pa[group.start]);
             moved_pa[group].iter_mut().for_each(|pressure_pa| *pressure_pa += step_pa);
-            let other = self.loaded_at(&moved_pa, payload_kg)?;
             // Springs go with the strains, which the response of these springs tells. Those of leaning tubes converge more slowly.
             let turns = if self.limb.modules()[module].is_restrained() { LEANING_TURNS } else { 1 };
-            let mut there = other.at_strains(&strains).ok()?;
+            let mut there = self.beside(pose, &here, module, &moved_pa, &strains)?;
             for _ in 0..turns {
                 let rod = there.rod.split(parts);
                 let (_, change) = responding.to(&rod);
-                there = other.at_strains(&there.strains(&rod, &(&pose.shape.q + change))).ok()?;
+                there = there.at_strains(&there.strains(&rod, &(&pose.shape.q + change))).ok()?;
             }
             let rod = there.rod.split(parts);
             let (tip_m, change) = responding.to(&rod);
@@ -165,11 +164,27 @@ impl<'a> Nominal<'a> {
         groups.map(of_group).collect()
     }
 
+    /// `here`, a pose with springs about its strains, with other pressures in the actuators of one module, Pa, one a channel.
+    fn beside(
+        &self,
+        pose: &Pose,
+        here: &LoadedLimb,
+        index: usize,
+        channels_pa: &[f64],
+        strains: &[Vector4<f64>],
+    ) -> Option<LoadedLimb> {
+        let module = &self.limb.modules()[index];
+        let moved = pose.limb.bundles()[index].at_pressures(module, &channels_pa[module.channels.clone()])?;
+        let mut bundles = here.bundles().to_vec();
+        bundles[index] = moved.strained(module.motion, &strains[index])?;
+        Some(here.clone().with_bundles(bundles, strains.to_vec()))
+    }
+
     /// Velocity of the tip of a pose by the pressure of each actuator, m/Pa, in the order of the channels; `None` where the pose is not stable.
-    pub fn velocities_m_per_pa(&self, pose: &Pose, pressures_pa: &[f64], payload_kg: f64) -> Option<Vec<Vector3<f64>>> {
+    pub fn velocities_m_per_pa(&self, pose: &Pose, pressures_pa: &[f64]) -> Option<Vec<Vector3<f64>>> {
         let modules = self.limb.modules().iter().enumerate();
         let single = modules.flat_map(|(index, module)| module.channels.clone().map(move |at| (index, at..at + 1)));
-        let moved = self.moved_by(pose, &self.limb.channel_values(pressures_pa), payload_kg, single)?;
+        let moved = self.moved_by(pose, &self.limb.channel_values(pressures_pa), single)?;
         Some(moved.into_iter().map(|moved| moved.tip_m / moved.step_pa).collect())
     }
 

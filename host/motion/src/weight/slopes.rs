@@ -25,7 +25,7 @@ pub fn planned_slopes(scene: &Scene, limb: &Limb, plan: &Plan, time_us: f64) -> 
     let pressures_pa = pressures_pa(&states);
     let mut nominal = Nominal::new(scene, limb, weighed.tier);
     let pose = nominal.at(&pressures_pa, payload_kg).ok();
-    let loaded = pose.and_then(|pose| nominal.velocities_m_per_pa(&pose, &pressures_pa, payload_kg));
+    let loaded = pose.and_then(|pose| nominal.velocities_m_per_pa(&pose, &pressures_pa));
     for ((velocity, _), loaded) in slopes.iter_mut().zip(loaded.iter().flatten()) {
         *velocity = *loaded;
     }

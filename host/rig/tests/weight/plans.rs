@@ -82,7 +82,7 @@ fn derivatives_of_the_loaded_tip_are_those_of_differences() {
     let (pressures, spans, on) = ([30e3, 60e3, 20e3], [4e4, 15e4, 9e4], 0.7);
     let mut nominal = Nominal::new(&scene, &limb, Fidelity::Linear);
     let pose = nominal.at(&pressures, on).expect("it stands");
-    let velocities = nominal.velocities_m_per_pa(&pose, &pressures, on).expect("stable");
+    let velocities = nominal.velocities_m_per_pa(&pose, &pressures).expect("stable");
     for (index, module) in limb.modules().iter().enumerate() {
         let mut sum = Vector3::zeros();
         for channel in module.channels.clone() {

@@ -43,7 +43,8 @@ impl Operator for Hand<'_> {
             }
             presses.extend(keys);
         }
-        if self.shown.is_none_or(|shown| shown.elapsed() >= SHOWN) {
+        // The view of a look with orders waits for the next look.
+        if presses.is_empty() && self.shown.is_none_or(|shown| shown.elapsed() >= SHOWN) {
             self.shown = Some(Instant::now());
             self.page.show(&View::live(self.scene, view));
         }
