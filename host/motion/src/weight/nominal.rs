@@ -173,10 +173,14 @@ impl<'a> Nominal<'a> {
         channels_pa: &[f64],
         strains: &[Vector4<f64>],
     ) -> Option<LoadedLimb> {
-        let module = &self.limb.modules()[index];
-        let moved = pose.limb.bundles()[index].at_pressures(module, &channels_pa[module.channels.clone()])?;
+        let (before, rest) = self.limb.modules().split_at(index);
+        let (module, first) = (rest.first()?, before.iter().map(|module| module.parts().len()).sum::<usize>());
+        let own_pa = &channels_pa[module.channels.clone()];
         let mut bundles = here.bundles().to_vec();
-        bundles[index] = moved.strained(module.motion, &strains[index])?;
+        for (at, part) in (first..).zip(module.parts()) {
+            let moved = pose.limb.bundles()[at].at_pressures(part, own_pa)?;
+            bundles[at] = moved.strained(part.motion, &strains[at])?;
+        }
         Some(here.clone().with_bundles(bundles, strains.to_vec()))
     }
 
