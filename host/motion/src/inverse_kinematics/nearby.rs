@@ -1,6 +1,6 @@
 //! Bounded, damped Gauss-Newton for a goal next to the start, while somebody waits for it.
 //!
-//! Derivatives cost as much as ten poses. Those of the start serve the whole way, corrected by the change that each step was seen to make (Broyden). A step
+//! Derivatives cost as much as six poses. Those of the start serve the whole way, corrected by the change that each step was seen to make (Broyden). A step
 //! that would leave the box is solved again with the drives that leave it at their bounds.
 
 use nalgebra::{DMatrix, DVector};
