@@ -75,6 +75,7 @@ const ARROWS: &[(&str, &str)] = &[
     ("softlimb-lab", "softlimb-fea"),
     ("softlimb-lab", "softlimb-files"),
     ("softlimb-lab", "softlimb-limb"),
+    ("softlimb-lab", "softlimb-motion"),
     ("softlimb-lab", "softlimb-numerics"),
     ("softlimb-lab", "softlimb-protocol"),
     ("softlimb-lab", "softlimb-rig"),

@@ -17,6 +17,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Verb {
     Accuracy(accuracy::Command),
+    Choice(accuracy::choice::Command),
     Validation(validation::Validation),
     Bundles(validation::Bundles),
     Control(control::Control),
@@ -34,6 +35,7 @@ pub fn main() -> ExitCode {
     let parsed = parsed.and_then(|matches| Arguments::from_arg_matches(&matches));
     finish(parsed.map(|arguments| match arguments.verb {
         Verb::Accuracy(verb) => verb.run(),
+        Verb::Choice(verb) => verb.run(),
         Verb::Validation(verb) => verb.run(),
         Verb::Bundles(verb) => verb.run(),
         Verb::Control(verb) => verb.run(),

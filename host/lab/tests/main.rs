@@ -2,6 +2,7 @@
 
 mod bench_accuracy;
 mod bundle;
+mod choice;
 mod command;
 mod control;
 mod design_compare;

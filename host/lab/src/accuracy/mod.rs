@@ -3,6 +3,7 @@
 //! [`accuracy`] makes the table; how to read it is in `docs/evidence/accuracy.md`, which is made from it.
 
 mod callgrind;
+pub mod choice;
 mod command;
 mod entry;
 mod gauss;

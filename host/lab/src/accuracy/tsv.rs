@@ -20,6 +20,13 @@ pub struct TsvError {
     text: String,
 }
 
+impl TsvError {
+    /// The line of an index from zero.
+    pub(super) fn new(index: usize, text: &str) -> Self {
+        Self { line: index + 1, text: text.to_owned() }
+    }
+}
+
 impl Report {
     /// The table as tab-separated values: lines of `# name<tab>value` about the set, the names of the columns, and the lines of the table.
     /// A dash is a figure that was not measured.
@@ -66,7 +73,7 @@ impl Report {
                 None if line == HEADING => Some(()),
                 None => row(entry, line).map(|row| report.rows.push(row)),
             };
-            read.ok_or_else(|| TsvError { line: index + 1, text: line.to_owned() })?;
+            read.ok_or_else(|| TsvError::new(index, line))?;
         }
         Ok(report)
     }
