@@ -10,7 +10,7 @@ use softlimb::limb::workspace::{Command, Points};
 use softlimb::motion;
 use softlimb::results::{
     CheckResult, LoadedWorkspaceResult, ResultError, StaticsOptions, StaticsResult, WorkspaceOptions, WorkspaceResult,
-    json,
+    json, with_bends,
 };
 use softlimb::rig::run::description;
 use softlimb_scene as scene;
@@ -130,11 +130,14 @@ impl Scene {
             None => {
                 let result = WorkspaceResult::new(&self.scene, &self.limb, &options)?;
                 let tips = result.tips_m.iter().flatten().map(|&x| f64::from(x)).collect();
-                Ok((json(&result.printed()), tips))
+                Ok((json(&with_bends(&self.limb, &result.printed())), tips))
             }
             Some((payload_kg, spacers)) => {
                 let result = LoadedWorkspaceResult::new(&self.scene, &self.limb, &options, payload_kg, spacers)?;
-                Ok((json(&result.printed()), result.tips_m.iter().flatten().copied().collect()))
+                Ok((
+                    json(&with_bends(&self.limb, &result.printed())),
+                    result.tips_m.iter().flatten().copied().collect(),
+                ))
             }
         });
         let (text, tips): (String, Vec<f64>) = found.map_err(|error| result_error(py, error))?;

@@ -12,7 +12,7 @@ use super::shared::{limb, show};
 use super::{Failure, Outcome};
 use crate::query as eval;
 use crate::query::{Curve, Scalar};
-use crate::results::bend::{PrintedBend, of_segments, rows};
+use crate::results::bend::{PrintedBend, of_limb, of_segments, rows};
 
 /// Evaluate the actuator model: pressure curves of a scene's actuators, or a batch of queries
 #[derive(Args)]
@@ -90,7 +90,7 @@ impl Eval {
         let (scene, limb) = limb(path)?;
         let curves = eval::curves(&limb, usize::from(self.steps));
         let warnings = limb.winding_warnings(&scene);
-        let bends = limb.modules().iter().map(PrintedBend::of).collect();
+        let bends = of_limb(&limb);
         let segment_bends = limb.modules().iter().map(of_segments).collect();
         let printed = Printed { scene: scene.name(), curves: &curves, bends, segment_bends, warnings: &warnings };
         show(self.json, &printed, || {

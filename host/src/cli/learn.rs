@@ -7,9 +7,10 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::shared::{corrections_csv, quantity, show, write_if};
+use super::shared::{corrections_csv, quantity, show_of, write_if};
 use super::{Failure, Outcome};
 use softlimb_chart::labelled;
+use softlimb_limb::Limb;
 use softlimb_rig::learning;
 use softlimb_rig::learning::{Distances, LearningError, Score, Settings, learn};
 use softlimb_scene as scene;
@@ -57,7 +58,9 @@ impl Learn {
         };
         let found = learn(&scene, &settings)?;
         write_if(self.csv.as_ref(), || corrections_csv(&scene, &found.corrections))?;
-        show(self.json, &Printed::new(&scene, &settings, &found), || self.table(&scene, &settings, &found))?;
+        show_of(self.json, &Limb::new(&scene)?, &Printed::new(&scene, &settings, &found), || {
+            self.table(&scene, &settings, &found)
+        })?;
         Ok(Outcome::Done)
     }
 

@@ -10,7 +10,7 @@ use super::port::PortOption;
 use super::shared::{bar, limb, show};
 use super::{Failure, Outcome, warn};
 use crate::results::bend::rows;
-use crate::results::{RunSummary, margin_warning};
+use crate::results::{RunSummary, margin_warning, with_bends};
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
@@ -111,8 +111,8 @@ impl Run {
         let (scene, limb) = limb(&self.scene)?;
         let plan = motion::plan(&scene, &limb)?;
         let margins = margin_warning(&scene, &limb, &plan)?;
-        let (bends, windings) = (rows(&limb), limb.winding_warnings(&scene));
-        let planned = (limb, plan);
+        let windings = limb.winding_warnings(&scene);
+        let planned = (limb.clone(), plan);
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()));
         let bar = bar(1000, "running");
         let on_progress = |progress: Progress| {
@@ -148,8 +148,12 @@ impl Run {
         let before: Vec<String> = canceled.then(|| "the run was canceled".to_owned()).into_iter().collect();
         let after = [windings, margins.into_iter().collect()].concat();
         let result = RunSummary::new(&summary, before, after);
-        show(self.json, &result, || summary.table())?;
-        bends.iter().for_each(|row| super::note(row.trim_start()));
+        if self.json {
+            show(true, &with_bends(&limb, &result), String::new)?;
+        } else {
+            show(false, &result, || summary.table())?;
+            rows(&limb).iter().for_each(|row| super::note(row.trim_start()));
+        }
         super::note(&format!("log:    {}\nreport: {}", files.log.display(), files.report.display()));
         let outcome = warn(&result.warnings);
         stopped.map_or(Ok(outcome), |cause| Err(Failure::new(cause)))

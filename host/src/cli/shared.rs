@@ -11,6 +11,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::{Failure, note, say};
+use crate::results::bend::rows;
+use crate::results::with_bends;
 use softlimb_files::write_whole;
 use softlimb_limb::Limb;
 use softlimb_scene::{Corrections, Quantity, Scene};
@@ -32,6 +34,24 @@ pub(super) struct Kept {
 /// Prints a result as one line of JSON or as text.
 pub(super) fn show<T: Serialize>(as_json: bool, result: &T, text: impl FnOnce() -> String) -> Result<(), Failure> {
     if as_json { say(&serde_json::to_string(result).map_err(Failure::new)?) } else { say(&text()) }
+}
+
+/// Prints a result about a limb as [`show`], with the models of its bends and what 2 deg of winding do to them.
+pub(super) fn show_of<T: Serialize>(
+    as_json: bool,
+    limb: &Limb,
+    result: &T,
+    text: impl FnOnce() -> String,
+) -> Result<(), Failure> {
+    if as_json {
+        return show(true, &with_bends(limb, result), String::new);
+    }
+    show(false, result, || with_rows(text(), &rows(limb)))
+}
+
+/// A text with lines behind it, if there are some.
+pub(super) fn with_rows(text: String, rows: &[String]) -> String {
+    if rows.is_empty() { text } else { format!("{}\n\n{}", text.trim_end(), rows.join("\n")) }
 }
 
 /// A scene and its limb.

@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::fabricate::Allowed;
-use super::shared::{limb, show, threads, write_if};
+use super::shared::{limb, show_of, threads, write_if};
 use super::{Failure, Outcome, warn};
 use softlimb_chart::labelled;
 use softlimb_limb::fabricate::Tolerances;
@@ -87,7 +87,7 @@ impl Tolerance {
         write_if(self.csv.as_ref(), || csv(&study, &samples))?;
         write_if(self.svg.as_ref(), || tolerance::picture(&labelled(scene.name(), true), &study, &samples))?;
         let names: Vec<&str> = study.modules().collect();
-        show(self.json, &self.printed(scene.name(), &study, &statistics, &names), || {
+        show_of(self.json, &limb, &self.printed(scene.name(), &study, &statistics, &names), || {
             self.table(scene.name(), &study, &statistics, &names)
         })?;
         Ok(warn(&lost(&study, &statistics, &names, samples.len())))

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::shared::{limb, quantity, show, threads, write_if};
+use super::shared::{limb, quantity, show_of, threads, write_if};
 use super::{Failure, Outcome, workspace_loaded};
 use crate::results::{LoadedWorkspaceResult, NAMES, WorkspaceOptions, WorkspaceResult};
 use softlimb_chart::labelled;
@@ -116,7 +116,7 @@ impl Workspace {
                 let grids = (&result.grids[0], Some(&result.free_grid));
                 workspace::picture(scene.name(), grids, &rest_m(&limb), &[])
             })?;
-            show(self.json, &result.printed(), || workspace_loaded::table(&result))?;
+            show_of(self.json, &limb, &result.printed(), || workspace_loaded::table(&result))?;
             return Ok(Outcome::Done);
         }
         let result = WorkspaceResult::new(&scene, &limb, &options)?;
@@ -125,7 +125,7 @@ impl Workspace {
         write_if(self.svg.as_ref(), || {
             workspace::picture(&title, (&result.grids[0], None), &rest_m(&limb), &extreme_m(&result))
         })?;
-        show(self.json, &result.printed(), || table(&title, &limb, &result))?;
+        show_of(self.json, &limb, &result.printed(), || table(&title, &limb, &result))?;
         Ok(Outcome::Done)
     }
 }

@@ -22,6 +22,24 @@ impl PrintedBend {
     }
 }
 
+/// The bends of the modules of a limb; `null` of straight ones, and of benders with an ideal winding.
+pub(crate) fn of_limb(limb: &Limb) -> Vec<Option<PrintedBend>> {
+    limb.modules().iter().map(PrintedBend::of).collect()
+}
+
+/// An answer about a limb with the models of its bends, and what 2 deg of winding do to them.
+#[derive(Serialize)]
+struct WithBends<'a, T> {
+    #[serde(flatten)]
+    answer: &'a T,
+    bends: Vec<Option<PrintedBend>>,
+}
+
+/// An answer about a limb with the models of its bends as `bends`, one a module.
+pub fn with_bends<'a, T: Serialize>(limb: &Limb, answer: &'a T) -> impl Serialize + use<'a, T> {
+    WithBends { answer, bends: of_limb(limb) }
+}
+
 /// The bends of a series: one a segment from the base to the tip, `null` for those that are straight or have an ideal winding. Nothing for
 /// another module.
 pub(crate) fn of_segments(module: &LimbModule) -> Option<Vec<Option<PrintedBend>>> {

@@ -14,6 +14,7 @@ mod workspace_loaded;
 use serde::Serialize;
 use softlimb_scene::SceneError;
 
+pub use bend::with_bends;
 pub use check::CheckResult;
 pub(crate) use margins::warnings as margin_warnings;
 #[cfg(any(feature = "console", feature = "terminal"))]

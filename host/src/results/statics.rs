@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::ResultError;
-use super::bend::PrintedBend;
+use super::bend::{PrintedBend, of_limb};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{EquilibriumError, Load, LoadedLimb, Standing};
 use softlimb_motion as motion;
@@ -117,7 +117,7 @@ impl<'a> StaticsResult<'a> {
     /// The result as `--json` prints it.
     pub fn printed(&self) -> impl Serialize {
         let phases = self.rows.iter().map(|row| row.printed(self.limb)).collect();
-        let bends = self.limb.modules().iter().map(PrintedBend::of).collect();
+        let bends = of_limb(self.limb);
         Printed { scene: self.scene.name(), mass_kg: self.scene.mass_kg(), bends, phases }
     }
 }

@@ -391,7 +391,21 @@ fn check_names_the_bend_of_each_segment() {
     // At 15 deg two more or less change the bend by some per cent.
     let off = bends[1]["winding_2deg"].as_f64().expect("a share");
     assert!((0.03..0.1).contains(&off), "{bends}");
-    assert_eq!(desk.softlimb("statics helix.toml --json").json()["bends"][0], helix["bend"]);
+    // Every verb that plans with the bend says so, too.
+    for verb in [
+        "statics helix.toml",
+        "workspace helix.toml --samples 2000",
+        "workspace helix.toml --loaded --samples 64",
+        "tolerance helix.toml --samples 100",
+        "payload capacity helix.toml",
+        "design limb helix.toml --out designed.toml",
+        "run helix.toml",
+    ] {
+        let json = desk.softlimb(&format!("{verb} --json")).json();
+        assert_eq!(json["bends"], serde_json::json!([helix["bend"]]), "{verb}: {json}");
+        let words = desk.softlimb(verb);
+        assert!((words.out + &words.err).contains("2 deg of fiber angle change the bend by up to"), "{verb}");
+    }
     let text = desk.softlimb("check scene.toml").out;
     assert!(text.contains("  finger.2         bends by finite elements"), "{text}");
     assert!(text.contains(&format!("2 deg of fiber angle change the bend by up to {:.1} %", 100.0 * off)), "{text}");

@@ -7,8 +7,9 @@ use serde::Serialize;
 
 use super::actuators::{Search, short, table};
 use super::candidates::{deformed, limb, pareto};
-use crate::cli::shared::{about, bar, read, show, threads};
+use crate::cli::shared::{about, bar, read, show, threads, with_rows};
 use crate::cli::{Failure, Outcome, note, say};
+use crate::results::bend::{PrintedBend, of_limb, rows};
 use softlimb_chart::labelled;
 use softlimb_design::from_scene::{
     BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, redesigned_totals, targets,
@@ -35,6 +36,8 @@ struct Printed<'a, T> {
     list: Vec<&'a Candidate>,
     /// Effects on this limb that the models leave out.
     warnings: Vec<String>,
+    /// The models of the bends of the limb found, one a module; empty where it is no scene.
+    bends: Vec<Option<PrintedBend>>,
 }
 
 /// Design the limb of a scene: with target deformations by eq. (14), with way-points of the tip by limb synthesis
@@ -209,11 +212,14 @@ impl LimbDesign {
     ) -> Result<(), Failure> {
         if self.json {
             // A design that is no scene is refused where it is judged.
-            let warnings = designed.as_ref().map_or_else(|_| Vec::new(), |designed| designed.warnings.clone());
-            let printed = Printed { weightless: scene.weightless(), file, answer, list, warnings };
+            let designed = designed.as_ref().ok();
+            let warnings = designed.map_or_else(Vec::new, |designed| designed.warnings.clone());
+            let bends = designed.map_or_else(Vec::new, |designed| of_limb(&designed.limb));
+            let printed = Printed { weightless: scene.weightless(), file, answer, list, warnings, bends };
             return show(true, &printed, String::new);
         }
-        say(&format!("{}\n{}", labelled(scene.name(), scene.weightless()), text()))
+        let bends = designed.as_ref().map_or_else(|_| Vec::new(), |designed| rows(&designed.limb));
+        say(&with_rows(format!("{}\n{}", labelled(scene.name(), scene.weightless()), text()), &bends))
     }
 
     /// Whether the design does what was asked, and whether its file can be run: the planner of `run` has the last word.
@@ -228,7 +234,7 @@ impl LimbDesign {
         if !reached {
             note(&format!("warning: {why}"));
         }
-        let Designed { scene, plan, warnings } = designed?;
+        let Designed { scene, plan, warnings, .. } = designed?;
         let outcome = super::windings(&scene, &warnings);
         match plan {
             Ok(()) if reached => Ok(outcome),
@@ -241,6 +247,7 @@ impl LimbDesign {
 /// A designed scene with its warnings, and whether it has a plan.
 struct Designed {
     scene: Scene,
+    limb: Limb,
     plan: Result<(), SceneError>,
     warnings: Vec<String>,
 }
@@ -252,7 +259,7 @@ impl Designed {
         let limb = Limb::new(&scene)?;
         let plan = motion::plan(&scene, &limb).map(drop);
         warnings.extend(limb.winding_warnings(&scene));
-        Ok(Self { scene, plan, warnings })
+        Ok(Self { scene, limb, plan, warnings })
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::cli::shared::show;
+use crate::cli::shared::show_of;
 use crate::cli::{Failure, Outcome, note};
 use crate::results::margin_warnings;
 use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_text};
@@ -78,10 +78,11 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
         refused: found.refused.clone(),
         refused_before: found.refused_before,
     };
-    show(json, &printed, || table(scene, &design, &found, &printed))?;
-    note(&format!("design: {}", file.display()));
     let designed = scene::load(file)?;
-    let outcome = super::windings(&designed, &Limb::new(&designed)?.winding_warnings(&designed));
+    let limb = Limb::new(&designed)?;
+    show_of(json, &limb, &printed, || table(scene, &design, &found, &printed))?;
+    note(&format!("design: {}", file.display()));
+    let outcome = super::windings(&designed, &limb.winding_warnings(&designed));
     if let Some(why) = &printed.refused {
         note(&format!("warning: the planner refuses the design: {why}"));
     }

@@ -6,7 +6,7 @@ use clap::Args;
 use fra_model::{Motion, State};
 
 use super::report::{Pose, Report};
-use crate::cli::shared::{above_zero, limb, quantity, show, write};
+use crate::cli::shared::{above_zero, limb, quantity, show_of, write};
 use crate::cli::{Failure, Outcome, note};
 use softlimb_design::blocked::{blocked_designs, picture};
 use softlimb_limb::Limb;
@@ -78,7 +78,7 @@ impl CapacityMode {
             None => None,
         };
         let report = Report { scene: &scene, limb: &limb, case, poses, designs };
-        show(self.json, &report.answer(), || report.table())?;
+        show_of(self.json, report.limb, &report.answer(), || report.table())?;
         match (&self.svg, &report.designs) {
             (Some(file), Some((name, designs))) => write(file, &picture(name, designs))?,
             (Some(_), None) => return Err(Failure::new("--svg: the scene has no module that extends or expands")),

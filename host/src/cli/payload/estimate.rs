@@ -7,7 +7,7 @@ use clap::Args;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-use crate::cli::shared::{about, limb, quantity, read, show};
+use crate::cli::shared::{about, limb, quantity, read, show_of};
 use crate::cli::{Failure, Outcome, note};
 use softlimb_limb::statics::GRAVITY_M_PER_S2;
 use softlimb_motion as motion;
@@ -44,7 +44,7 @@ impl Estimate {
         let seen = Observation::read(&read(&self.data)?, &limb, &plan).map_err(|error| about(&error))?;
         let found = mass(&scene, &limb, &plan, &seen, self.stiffness_error.si()).map_err(|error| about(&error))?;
         let percent = 100.0 * self.stiffness_error.si();
-        show(self.json, &printed(scene.name(), &found, &seen, &plan), || {
+        show_of(self.json, &limb, &printed(scene.name(), &found, &seen, &plan), || {
             text(scene.name(), &found, &seen, &plan, percent)
         })?;
         if found.interval_kg[0] <= 0.0 {

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use crate::cli::shared::{quantity, show, write_if};
+use crate::cli::shared::{quantity, show_of, write_if};
 use crate::cli::{Failure, Outcome};
 use softlimb_limb::Limb;
 use softlimb_rig::learning::{LearningError, Settings, Tracking, UnderLoad, observe, under_load};
@@ -112,8 +112,8 @@ impl Track {
         };
         let loads = rows.iter().map(Row::from).collect();
         let printed = Printed { scene: scene.name(), repeats: self.repeats, rehearsals: self.iterations, loads };
-        show(self.json, &printed, || self.table(&scene, &rows))?;
         let limb = Limb::new(&scene)?;
+        show_of(self.json, &limb, &printed, || self.table(&scene, &rows))?;
         write_if(self.tips.as_ref(), || tips(&scene, &limb, &seen))?;
         Ok(Outcome::Done)
     }
