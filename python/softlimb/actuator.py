@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -18,6 +18,9 @@ from softlimb.material import MaterialLike
 from softlimb.order import Order
 from softlimb.solution import Blocked, Sensitivity, Solution, Solutions
 from softlimb.winding import Fiber
+
+WINDING_ERROR_RAD = float(np.radians(2.0))
+"""Error of the winding angle that answers state the effect of, rad."""
 
 ModelName: TypeAlias = Literal["auto", "analytic", "section-fe"]
 InputName: TypeAlias = Literal[
@@ -292,6 +295,49 @@ class Actuator:
             raise order.error(refused, of=of) from None
         return Sensitivity(order.back(status), *(order.back(column) for column in numbers))
 
+    def winding_effect(
+        self,
+        pressure_pa: FloatLike,
+        *,
+        error_rad: float = WINDING_ERROR_RAD,
+        external_force_n: FloatLike = 0.0,
+        external_torque_nm: FloatLike = 0.0,
+    ) -> Floats:
+        """Largest relative change of the bends of wound benders if the winding is off by an angle, nearer to the hoop or farther from it.
+
+        Finite elements of the cross-section give all bends, three for each answer.
+
+        Args:
+            pressure_pa: Gauge pressure, Pa; not 0. Broadcasts against the actuators.
+            error_rad: Error of the winding angle, rad, > 0; 2 deg by default.
+            external_force_n: As in :meth:`forward`.
+            external_torque_nm: As in :meth:`forward`.
+
+        Returns:
+            The change over the bend, in the shape to which pressures, loads and actuators broadcast; NaN where one of the three has no solution.
+
+        Raises:
+            InvalidParameter: A value is not accepted, also of the changed winding.
+            ValueError: An actuator does not bend or has no winding, or arrays do not broadcast.
+        """
+        winding = self.fiber
+        if not isinstance(winding, Fiber) or np.any(np.asarray(self.motion) != "bending"):
+            raise ValueError("winding_effect is for bending actuators with a winding")
+
+        def bend(error: float) -> Floats:
+            turned = replace(winding, angle_rad=_turned(winding.angle_rad, error))
+            bent = replace(self, fiber=turned).forward(
+                pressure_pa,
+                external_force_n=external_force_n,
+                external_torque_nm=external_torque_nm,
+                model="section-fe",
+            )
+            return bent.bend_angle_rad
+
+        own, nearer, farther = bend(0.0), bend(-error_rad), bend(error_rad)
+        effect: Floats = np.maximum(np.abs(nearer / own - 1.0), np.abs(farther / own - 1.0))
+        return effect
+
     def blocked_force(
         self, pressure_pa: FloatLike, *, axial_stretch: FloatLike = 1.0, twist_rad: FloatLike = 0.0
     ) -> Blocked:
@@ -323,6 +369,12 @@ class Actuator:
     def __reduce__(self) -> tuple[object, ...]:
         # The built part is not kept: the receiver builds it again.
         return _rebuilt, ({each.name: getattr(self, each.name) for each in fields(self) if each.init},)
+
+
+def _turned(angle_rad: FloatLike, error_rad: float) -> Floats:
+    """Angles farther from the hoop by an error, on either side of it."""
+    angles = np.asarray(angle_rad, dtype=np.float64)
+    return angles + error_rad * np.where(angles < 0.0, -1.0, 1.0)
 
 
 def _rebuilt(values: dict[str, object]) -> Actuator:

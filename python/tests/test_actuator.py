@@ -66,6 +66,19 @@ def test_inverse_undoes_forward(tube):
     np.testing.assert_allclose(back.pressure_pa, pressures, rtol=1e-10)
 
 
+def test_effect_of_the_winding_is_that_of_the_batch():
+    wall = {"motion": "bending", "inner_radius_m": 6e-3, "outer_radius_m": 8e-3, "length_m": 0.1, "material": NeoHookean(shear_modulus_pa=MU)}
+    helices = Fiber(angle_rad=np.radians([20.0, 12.0, -20.0]), families=2, modulus_pa=3.61e8, thickness_m=0.178e-3)
+    # winding_2deg of `softlimb eval --batch` for 20 and 12 deg.
+    effect = softlimb.Actuator(**wall, fiber=helices).winding_effect(3e4)
+    assert effect == pytest.approx([0.07363046, 0.02618564, 0.07363046], rel=1e-6)
+    with pytest.raises(ValueError, match="bending actuators with a winding"):
+        softlimb.Actuator(**wall).winding_effect(3e4)
+    steep = Fiber(angle_rad=np.radians(89.5), families=2, modulus_pa=3.61e8, thickness_m=0.178e-3)
+    with pytest.raises(InvalidParameter, match="angle_rad"):
+        softlimb.Actuator(**wall, fiber=steep).winding_effect(3e4)
+
+
 def test_blocked_force_is_the_load_that_holds_the_end(tube):
     actuator = tube(fiber=Fiber(angle_rad=0.05, families=2, modulus_pa=2e7, thickness_m=2e-4))
     blocked = actuator.blocked_force(2e4)
