@@ -8,7 +8,10 @@ use softlimb_design::synthesis::{Budget, design};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Load, LoadedLimb};
 use softlimb_motion as motion;
+use softlimb_numerics::Random;
 use softlimb_scene::{self as scene, Scene};
+
+use crate::samples::samples;
 
 /// An actuator that extends, twists and bends, and a bending wrist.
 const SCENE: &str = r#"
@@ -131,6 +134,26 @@ fn way_points_of_a_hidden_limb_are_reached_and_the_scene_can_be_run() {
         let off_m = distance_m(tip_m(&limb, &[finger[0], *wrist]), tip);
         assert!(off_m < 1e-7, "{off_m:e}");
     }
+}
+
+/// Sizes and pressures of hidden limbs at random: how often a search with few evaluations finds one that does the same.
+#[test]
+fn hidden_limbs_at_random_are_found() {
+    let count = samples(60);
+    let missed = (1..=u64::from(count)).filter(|seed| {
+        let mut random = Random::new(*seed, 7);
+        let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
+        let inner_m = between(7.5e-3, 10.5e-3);
+        let sizes = [inner_m, inner_m + between(3.2e-3, 4.8e-3), between(0.055, 0.115), between(0.085, 0.175)];
+        let pressures_pa: Vec<[f64; 2]> = (0..3).map(|_| [between(5e3, 50e3), between(5e3, 40e3)]).collect();
+        let hidden = Limb::new(&read(&text(sizes, &[[0.0, 0.0, 0.1]], false))).unwrap();
+        let tips_m: Vec<[f64; 3]> = pressures_pa.iter().map(|pressures_pa| tip_m(&hidden, pressures_pa)).collect();
+        let tasked = task(&read(&text(STATED, &tips_m, false))).unwrap();
+        !design(&tasked.task, &tasked.spaces, &Budget::default()).unwrap().does_it()
+    });
+    let missed = missed.collect::<Vec<_>>();
+    println!("{} of {count} missed: {missed:?}", missed.len());
+    assert!(missed.is_empty(), "{missed:?}");
 }
 
 /// The tip under its own weight by the statics of a scene, m.
