@@ -299,7 +299,7 @@ fn model_of_a_series_is_chosen_for_each_segment() {
     assert!(single["message"].as_str().unwrap().contains("no single precision"), "{single}");
 }
 
-/// Beyond the end of its branch no bend of a segment is told; the segment and its limit are.
+/// Beyond the limit pressure of a segment, the answer names this segment and its limit and states no bend.
 #[test]
 fn limit_of_finite_elements_names_its_segment() {
     let winding = json!({"angle_deg": 5, "families": 2, "modulus_pa": 2e8, "thickness_m": 1e-4});

@@ -1,4 +1,4 @@
-//! Limbs with an actuator of segments, designed from hidden ones: what is found is a scene whose tip is where the hidden limb has its own.
+//! Designs of limbs with segmented actuators. The tip of a hidden limb gives the way-points; the tip of the designed scene must reach them.
 
 use softlimb_design::from_scene::{
     BriefError, design_to_run, loaded_design, loaded_text, redesigned_limb, redesigned_totals, task, totals,
@@ -132,11 +132,11 @@ fn way_points_of_a_hidden_limb_are_reached_and_the_scene_can_be_run() {
         let [finger @ .., wrist] = &answer.pressure_pa[..] else { panic!("{answer:?}") };
         assert!(finger.iter().all(|pressure| pressure == &finger[0]), "one chamber: {finger:?}");
         let off_m = distance_m(tip_m(&limb, &[finger[0], *wrist]), tip);
-        assert!(off_m < 1e-7, "{off_m:e}");
+        assert!(off_m < 4e-8, "{off_m:e}");
     }
 }
 
-/// Sizes and pressures of hidden limbs at random: how often a search with few evaluations finds one that does the same.
+/// Hidden limbs have random sizes and pressures. A search with the default budget reaches all their tip positions.
 #[test]
 fn hidden_limbs_at_random_are_found() {
     let count = samples(60);
@@ -179,11 +179,11 @@ fn tips_of_a_hidden_limb_under_its_weight_are_reached() {
     for (pose, tip) in found.confirmed.iter().zip(tips_m) {
         assert_eq!(pose.pressures_pa.len(), 2, "one chamber for all segments");
         let off_m = distance_m(hanging_tip_m(&designed, &limb, &pose.pressures_pa), tip);
-        assert!(off_m < 6e-5, "{off_m:e}");
+        assert!(off_m < 3e-5, "{off_m:e}");
     }
 }
 
-/// The bend of the whole is asked of the finger, an angle of the wrist: what is found has them at the pressures of its plan.
+/// The targets are the total bend of the finger and the bend of the wrist. The designed scene reaches both at the stated pressures.
 #[test]
 fn totals_of_segments_are_reached_and_the_scene_can_be_run() {
     let targets = |finger: u8, wrist: u8| {

@@ -266,7 +266,7 @@ impl SeriesCase {
         Ok(self.errors == Some(true) || by_section || (has_choice && wound()))
     }
 
-    /// The answer from the segments, each by its own model.
+    /// Answer summed over the segments, each solved with its chosen model.
     fn by_parts(&self, id: Value, series: &Series<'_, f64>, solver: &mut Solver) -> Result<SeriesAnswer, String> {
         // Of bending actuators with two windings it has the first alone, near which the answer lies.
         let analytic = match self.question {

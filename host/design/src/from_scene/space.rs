@@ -41,13 +41,13 @@ pub(super) fn refuse_steering(scene: &Scene) -> Result<(), SceneError> {
 pub(super) struct Part {
     /// Index of its module in the scene.
     pub(super) module: usize,
-    /// It as a module.
+    /// The part described as a module.
     pub(super) wound: Module,
     /// Its bounds.
     pub(super) bounds: ModuleBounds,
     /// Lengths at the base and at the tip that its caps take out of the motion, m.
     pub(super) ends_m: [f64; 2],
-    /// Whether it goes on from the one before it, a segment of the same actuator.
+    /// Whether it is the next segment of the same actuator.
     pub(super) joined: bool,
 }
 
@@ -199,14 +199,14 @@ pub(super) fn written_segment(segment: &ModuleSegment, length_m: f64, found_rad:
     (length_m, segment.fiber.as_ref().map(|fiber| if bends { fiber.angle_rad } else { found_rad }))
 }
 
-/// The mount angle that is written for a module, rad: that of the first part of it that bends, less the direction of that part; its own where none
-/// bends. `found_rad` are those of its parts.
+/// Mount angle written for a module, rad: that of its first bending part, less the direction of this part. A module without one keeps its own.
+/// `found_rad` are the angles of its parts.
 pub(super) fn turned(module: &Module, found_rad: impl Iterator<Item = f64>) -> f64 {
     let parts = module.parts();
     let bends = parts.iter().zip(found_rad).find(|(part, _)| *part.motion == Motion::Bending);
     bends.map_or(module.mount_angle_rad, |(part, found_rad)| {
         let angle_rad = found_rad - (part.mount_angle_rad - module.mount_angle_rad);
-        // A scene takes one turn either way.
+        // A scene allows one turn either way.
         if angle_rad.abs() > TAU { angle_rad - TAU * (angle_rad / TAU).round() } else { angle_rad }
     })
 }

@@ -40,7 +40,7 @@ pub fn targets(scene: &Scene) -> Result<Problem, SceneError> {
     Ok(Problem::new(segments, shared))
 }
 
-/// The same of a scene with modules of several segments, as a task whose way-points are the totals of its modules in each phase.
+/// Targets of a scene with segmented modules, as a task: each way-point has the targets of one phase.
 ///
 /// # Errors
 /// As [`targets`], and at the second segment where one supply line has several modules.
@@ -66,11 +66,11 @@ pub fn totals(scene: &Scene) -> Result<Tasked, BriefError> {
         }
         Ok(way_points)
     })?;
-    // Eq. (14) knows no way and no obstacle; the planner does.
+    // Eq. (14) has neither paths nor obstacles; the planner checks both.
     Ok(Tasked { task: Task { obstacles: Vec::new(), moves: false, ..tasked.task }, ..tasked })
 }
 
-/// The targets of a limb that was found for [`totals`]: those of the modules that have had one so far.
+/// Targets of a limb found for [`totals`]. A module has none before its first phase with a target.
 pub fn redesigned_totals(scene: &Scene, tasked: &Tasked, limb: &Candidate) -> Vec<Vec<RedesignedTarget>> {
     let length_m = |index: usize| {
         let own = limb.modules.iter().zip(&tasked.patterns).filter(|(_, pattern)| **pattern == index);

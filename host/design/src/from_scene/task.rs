@@ -45,7 +45,7 @@ pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
     })
 }
 
-/// The task of a scene with way-points that are made for its modules.
+/// The task of a scene, with the way-points that `way_points` makes from its spaces.
 pub(super) fn tasked(
     scene: &Scene,
     way_points: impl FnOnce(&[Space]) -> Result<Vec<WayPoint>, SceneError>,
@@ -79,7 +79,7 @@ pub(super) fn tasked(
     Ok(Tasked { task, spaces, patterns })
 }
 
-/// Kinds of modules are chosen from modules of one winding along their length.
+/// Refuses segmented modules where kinds of modules are chosen.
 fn refuse_chosen_series(scene: &Scene) -> Result<(), SceneError> {
     let choice = scene.design().and_then(|design| design.choice.as_ref());
     choice.map_or(Ok(()), |_| scene.require_no_segments("a choice of motions"))

@@ -150,14 +150,14 @@ impl Built {
         Some(built)
     }
 
-    /// The segments of the actuator that a module is of: itself alone, where it is no segment.
+    /// All segments of the actuator of a module; the module alone if it has no segments.
     fn chamber(&self, index: usize) -> Range<usize> {
         let first = self.first(index);
         let more = self.modules[first + 1..].iter().take_while(|module| module.joined).count();
         first..first + 1 + more
     }
 
-    /// The first segment of the actuator that a module is of.
+    /// The first segment of the actuator of a module.
     fn first(&self, index: usize) -> usize {
         (0..=index).rev().find(|index| !self.modules[*index].joined).unwrap_or(0)
     }
@@ -177,7 +177,7 @@ impl Built {
         self.owners.len()
     }
 
-    /// The module of a drive, or the segments that it drives.
+    /// The module of a drive, or all segments of its actuator.
     pub(super) fn driven(&self, drive: usize) -> Range<usize> {
         self.chamber(self.owners[drive])
     }

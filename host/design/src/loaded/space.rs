@@ -58,8 +58,8 @@ pub struct ModuleSpace {
     pub length_m: Bounds,
     /// Lengths at the base and at the tip that caps take out of the motion, m; >= 0.
     pub ends_m: [f64; 2],
-    /// Whether it is a segment of the actuator that the space before it is of. They share radii and pressure, a free mount angle turns both alike, and
-    /// nothing rigid is between them; their bounds of radii are the same.
+    /// Whether it continues the actuator of the space before it, as its next segment. Both share radii, pressure and mount angle, with nothing rigid
+    /// between them. Their bounds of radii are equal.
     pub joined: bool,
     /// Bounds of the fiber angle, rad; unused for bending.
     pub angle_rad: Bounds,
@@ -272,7 +272,7 @@ impl ModuleSpace {
         // A bender keeps the angle of its winding.
         let angle_rad = if self.motion == Motion::Bending { [self.angle_rad[0]; 2] } else { self.angle_rad };
         let spread_m = if self.actuators == 1 { [0.0; 2] } else { self.spread_m };
-        // Those of the segment before are this one's.
+        // A joined segment takes these from the segment before it.
         let own = |bounds: Bounds| if self.joined { [bounds[0]; 2] } else { bounds };
         [
             ("inner_radius", own(self.inner_radius_m)),

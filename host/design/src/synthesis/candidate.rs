@@ -53,19 +53,18 @@ pub struct ModuleDesign {
 /// A designed limb at one way-point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WayPointAnswer {
-    /// Gauge pressure of each module, Pa; of one of segments once for each.
+    /// Gauge pressure of each module, or of each of its segments, Pa.
     pub pressure_pa: Vec<f64>,
     /// Deformation of each module: axial stretch (extension), outer radius in m (expansion), bend angle or twist in rad.
     pub deformation: Vec<f64>,
-    /// What was asked of modules by their deformation, as it is found: m or rad; empty where the tip is led.
+    /// Deformations of the modules that have targets, m or rad; empty where the way-point is a place of the tip.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub totals: Vec<f64>,
     /// Tip at these pressures, m, from forward solves.
     pub tip_m: [f64; 3],
     /// Axis of the end effector there.
     pub axis: [f64; 3],
-    /// Distance of the tip from where it shall be, m; of deformations that were asked of modules, the root of the sum of their squares, a radian as
-    /// 100 mm.
+    /// Distance of the tip from its aim, m. For modules with targets: root of the sum of their squared errors, a radian counted as 100 mm.
     pub tip_error_m: f64,
     /// Angle of the end effector beyond its tolerance, rad; 0 where nothing is asked.
     pub direction_error_rad: f64,

@@ -74,7 +74,7 @@ pub(super) fn confirm(exact: &Exact, sections: &[Space]) -> Result<Candidate, Ta
     Ok(Candidate { modules, way_points, figures, objective_mm2, shortfall: None, evaluations: 0 })
 }
 
-/// The forward solutions at the pressures of shares; segments of one actuator have the mean of theirs. `None` where a share has no pressure.
+/// Forward solutions at the pressures of shares. Segments of one actuator get the mean of their pressures. `None` where a share has no pressure.
 fn pressed(made: &[Made], shares: &[f64]) -> Option<Vec<State<f64>>> {
     let pressures_pa: Vec<f64> =
         made.iter().zip(shares).map(|(made, share)| made.pressure_pa(*share)).collect::<Option<_>>()?;

@@ -137,7 +137,7 @@ impl Shape {
         }
     }
 
-    /// A deformation of a module, of its segments all together, m or rad.
+    /// Deformation of a module, summed over its segments, m or rad.
     fn total(&self, made: &[Made], total: &Total) -> f64 {
         let segments = made[total.first + 1..].iter().take_while(|made| made.joined).count() + 1;
         let own = total.first..total.first + segments;
@@ -151,7 +151,7 @@ impl Shape {
         }
     }
 
-    /// Distance of the tip from where it shall be, or what the deformations of modules are off with the lever of a direction, m.
+    /// Distance of the tip from its aim, or errors of the modules with targets, m; a radian counts as 100 mm.
     fn missed_m(&self, way_point: &WayPoint, totals: &[f64]) -> f64 {
         let tip_m = way_point.aim.as_ref().map_or(0.0, |aim| missed(&self.tip.translation.vector, aim).norm_squared());
         let off_m = |(total, found): (&Total, &f64)| (total.mm() / MM * (found - total.value)).powi(2);

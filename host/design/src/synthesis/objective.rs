@@ -20,7 +20,7 @@ use super::table::{Curve, Table};
 use super::task::{Task, WayPoint};
 use softlimb_scene::collision::Shape;
 
-/// What a difference of pressures between the segments of an actuator counts, mm: a kilopascal as a millimetre.
+/// Weight of a pressure difference between segments of one actuator, mm/Pa.
 const MM_PER_PA: f64 = 1e-3;
 
 /// A configuration that is looked at: a way-point, or a point on the move between two.
@@ -154,13 +154,13 @@ impl<'a> Objective<'a> {
         sum
     }
 
-    /// The rows of what modules shall be deformed by.
+    /// Rows of the targets of modules.
     fn add_up(&self, chain: &Chain, way_point: &WayPoint, rows: &mut Rows) {
         for total in &way_point.totals {
             let segments = self.tables[total.first + 1..].iter().take_while(|table| table.behind().joined).count() + 1;
             let own = total.first..total.first + segments;
             let field = total.field();
-            // The radius of the body goes beyond that of the actuator.
+            // The radius of the body includes the distance of its actuators from the axis.
             let beside_m = if field == RADIUS { self.tables[total.first].reach_m() } else { 0.0 };
             let found: f64 = chain.joints[own.clone()].iter().map(|joint| joint.values()[field]).sum();
             let scale = way_point.weight.sqrt() * total.mm();
@@ -173,7 +173,7 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// The rows of segments whose pressure differs from that of the one before them in the same actuator.
+    /// Rows of pressure differences between neighbouring segments of one actuator.
     fn join(&self, chain: &Chain, rows: &mut Rows) {
         for module in (1..self.tables.len()).filter(|module| self.tables[*module].behind().joined) {
             let [before, own] = [&chain.joints[module - 1], &chain.joints[module]];
@@ -286,7 +286,7 @@ mod tests {
             posed.task.way_points[2].aim = Some(Aim::Inside { center_m: axis * 0.4, half_m, rotation });
             let total = |first: usize| Total { first, motion: posed.spaces[first].motion(), value: 0.7 };
             posed.task.way_points[3].totals = vec![total(0), total(1)];
-            // A segment of the same actuator; that of kind B is alone, and not on a circle as the next are.
+            // Kind B begins with a single twisting actuator, which no segment of a bundle can join.
             posed.spaces[1].joined = kind != Kind::B;
             if kind == Kind::B {
                 posed.spaces[2] = space(fra_model::Motion::Expansion);

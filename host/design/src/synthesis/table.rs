@@ -138,7 +138,7 @@ impl Table {
         self.end_m
     }
 
-    /// What it is behind another module.
+    /// Its end and joint to the module before it.
     pub(super) fn behind(&self) -> Behind {
         self.behind
     }

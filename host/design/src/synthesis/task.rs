@@ -41,7 +41,7 @@ pub struct Direction {
     pub tolerance_rad: f64,
 }
 
-/// A deformation that a module shall have, of its segments all together.
+/// Target deformation of a module, summed over its segments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Total {
     /// Index of its space, or of that of its first segment.
@@ -53,7 +53,7 @@ pub struct Total {
 }
 
 impl Total {
-    /// The field of a response that it is a sum of.
+    /// Index of the response field that it sums.
     pub(super) fn field(&self) -> usize {
         match self.motion {
             Motion::Extension => 0,
@@ -63,7 +63,7 @@ impl Total {
         }
     }
 
-    /// What its unit counts, mm.
+    /// Weight of an error of 1 m or 1 rad, mm.
     pub(super) fn mm(&self) -> f64 {
         match self.motion {
             Motion::Extension | Motion::Expansion => MM,
@@ -77,7 +77,7 @@ impl Total {
 pub struct WayPoint {
     /// Where the tip shall be, if that matters.
     pub aim: Option<Aim>,
-    /// What modules shall be deformed by, each counted with the same weight.
+    /// Targets of modules, all of the same weight.
     pub totals: Vec<Total>,
     /// Weight of its squared error; > 0.
     pub weight: f64,
@@ -91,7 +91,7 @@ impl WayPoint {
         Self { aim: Some(Aim::Point(tip_m.into())), ..Self::with(Vec::new()) }
     }
 
-    /// A way-point for the deformations of modules, wherever the tip is, with the weight 1.
+    /// A way-point with targets of modules, for any place of the tip, with weight 1.
     pub fn with(totals: Vec<Total>) -> Self {
         Self { aim: None, totals, weight: 1.0, direction: None }
     }
@@ -141,8 +141,8 @@ pub struct Space {
     pub reach_m: f64,
     /// Lengths at the base and at the tip that caps take out of the motion, m; >= 0. The bounds of the length are those of what moves.
     pub ends_m: [f64; 2],
-    /// Whether it is a segment of the actuator that the space before it is of. They share radii and pressure, a free mount angle turns both alike, and
-    /// nothing rigid is between them; their bounds of radii are the same.
+    /// Whether it continues the actuator of the space before it, as its next segment. Both share radii, pressure and mount angle, with nothing rigid
+    /// between them. Their bounds of radii are equal.
     pub joined: bool,
     /// Bounds of the direction that it bends towards, rad about the limb's axis; a width of a full turn or more leaves it free.
     pub mount_angle_rad: Bounds,
@@ -217,7 +217,7 @@ pub(super) fn count(
     if allowed.contains(&found) { Ok(()) } else { Err(TaskError::Count { field, found, allowed: message() }) }
 }
 
-/// What goes on behind a module.
+/// The module or segment behind another one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Behind {
     /// Length that its cap takes at the base, m.
@@ -289,15 +289,15 @@ impl WayPoint {
 }
 
 impl Space {
-    /// What it is behind another module.
+    /// Its end and joint to the module before it.
     pub(super) fn behind(&self) -> Behind {
         Behind { end_m: self.ends_m[0], joined: self.joined }
     }
 
-    /// Requires of a segment that it goes on from `before`.
+    /// Requires that a segment continues the actuator of `before`.
     ///
     /// # Errors
-    /// [`TaskError::Bounds`] where it goes on from nothing, or from bounds of other radii, walls or pressures.
+    /// [`TaskError::Bounds`] for a segment without one before it, or whose radii, wall or pressure have other bounds.
     pub(super) fn check_joint(&self, before: Option<&Self>) -> Result<(), TaskError> {
         let alike = |before: &Self| {
             let [own, other] = [&self.segment, &before.segment];

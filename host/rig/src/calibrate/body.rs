@@ -69,7 +69,7 @@ pub(super) struct Answer {
 /// The part of a gauge pressure that deforms an actuator.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deforming {
-    /// It, Pa.
+    /// Deforming pressure, Pa.
     pub(super) pressure_pa: f64,
     /// -1 where it is that of the mirrored bend, else 1.
     pub(super) sign: f64,

@@ -5,7 +5,7 @@ use softlimb_numerics::Random;
 
 const LENGTH_M: f64 = 0.18;
 
-/// A bender and the highest pressure that it is asked about.
+/// A bender and its highest pressure.
 pub(super) struct Bender {
     pub(super) parameters: ActuatorParameters<f64>,
     pub(super) pressure_max_pa: f64,
