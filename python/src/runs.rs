@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use softlimb::motion;
-use softlimb::results::{RunSummary, json, margin_warning, with_bends};
+use softlimb::results::{RunSummary, json, margin_warning};
 use softlimb::rig::report;
 use softlimb::rig::run::{Mcu, Progress, RunOptions, run_on};
 
@@ -59,7 +59,7 @@ pub(crate) fn run(
         let files = run_on(scene, (limb.clone(), plan), &plant.scene, &options, &cancel, on_progress)?;
         let summary = report::summary(&files.run);
         let after = [limb.winding_warnings(scene), margins.into_iter().collect()].concat();
-        Ok((json(&with_bends(limb, &RunSummary::new(&summary, Vec::new(), after))), files.log, files.report))
+        Ok((json(&RunSummary::new(&summary, Some(limb), Vec::new(), after)), files.log, files.report))
     });
     signal?;
     outcome.map_err(|error| run_error(py, error))

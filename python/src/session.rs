@@ -11,7 +11,7 @@ use std::time::Duration;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use softlimb::motion::jog::Order;
-use softlimb::results::{RunSummary, json};
+use softlimb::results::{RunSummary, json, recorded_limb};
 use softlimb::rig::record::{ChannelSample, ModuleSample, Pose, Posture};
 use softlimb::rig::report;
 use softlimb::rig::run::{JogDevice, JogOptions, JogView, Mcu, Operator, Press, RunError, RunFiles, jog};
@@ -218,7 +218,8 @@ impl Session {
     fn close(&self, py: Python<'_>) -> PyResult<(String, PathBuf, PathBuf)> {
         let ended = py.detach(|| self.lock().take().map(Held::end));
         let files = ended.ok_or_else(|| not_computed(py, OVER))?.map_err(|error| run_error(py, error))?;
-        Ok((json(&RunSummary::new(&report::summary(&files.run), Vec::new(), Vec::new())), files.log, files.report))
+        let (summary, limb) = (report::summary(&files.run), recorded_limb(&files.run));
+        Ok((json(&RunSummary::new(&summary, limb.as_ref(), Vec::new(), Vec::new())), files.log, files.report))
     }
 }
 

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::shared::show;
 use super::{Failure, Outcome};
-use crate::results::RunSummary;
+use crate::results::{RunSummary, recorded_limb};
 use softlimb_files::write_whole;
 use softlimb_rig::record;
 use softlimb_rig::report;
@@ -47,7 +47,12 @@ impl Report {
         }
         write(&out, &log).map_err(Failure::new)?;
         let summary = report::summary(&log);
-        let result = RunSummary::new(&summary, Vec::new(), log.incomplete.iter().cloned().collect());
+        let result = RunSummary::new(
+            &summary,
+            recorded_limb(&log).as_ref(),
+            Vec::new(),
+            log.incomplete.iter().cloned().collect(),
+        );
         show(self.json, &result, || summary.table())?;
         super::note(&format!("wrote {}", out.display()));
         if let Some(file) = &self.motion {

@@ -10,7 +10,7 @@ use super::port::PortOption;
 use super::shared::{bar, limb, show};
 use super::{Failure, Outcome, warn};
 use crate::results::bend::rows;
-use crate::results::{RunSummary, margin_warning, with_bends};
+use crate::results::{RunSummary, margin_warning};
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
@@ -147,11 +147,9 @@ impl Run {
         let summary = report::summary(&files.run);
         let before: Vec<String> = canceled.then(|| "the run was canceled".to_owned()).into_iter().collect();
         let after = [windings, margins.into_iter().collect()].concat();
-        let result = RunSummary::new(&summary, before, after);
-        if self.json {
-            show(true, &with_bends(&limb, &result), String::new)?;
-        } else {
-            show(false, &result, || summary.table())?;
+        let result = RunSummary::new(&summary, Some(&limb), before, after);
+        show(self.json, &result, || summary.table())?;
+        if !self.json {
             rows(&limb).iter().for_each(|row| super::note(row.trim_start()));
         }
         super::note(&format!("log:    {}\nreport: {}", files.log.display(), files.report.display()));

@@ -19,7 +19,7 @@ pub use check::CheckResult;
 pub(crate) use margins::warnings as margin_warnings;
 #[cfg(any(feature = "console", feature = "terminal"))]
 pub(crate) use run::warnings as run_warnings;
-pub use run::{RunSummary, margin_warning};
+pub use run::{RunSummary, margin_warning, recorded_limb};
 pub(crate) use statics::Row as StaticsRow;
 pub use statics::{StaticsOptions, StaticsResult};
 pub(crate) use workspace::NAMES;

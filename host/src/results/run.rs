@@ -2,10 +2,12 @@
 
 use serde::Serialize;
 
+use super::bend::{PrintedBend, of_limb};
 use super::margins;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
+use softlimb_rig::record::RunLog;
 use softlimb_rig::report::{Miss, Summary};
 use softlimb_scene::{Scene, SceneError};
 
@@ -14,15 +16,24 @@ use softlimb_scene::{Scene, SceneError};
 pub struct RunSummary<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
+    /// The models of its bends, one a module; absent where no scene of this version is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bends: Option<Vec<Option<PrintedBend>>>,
     /// Faults, missed goals, and others.
     pub warnings: Vec<String>,
 }
 
 impl<'a> RunSummary<'a> {
-    /// The summary with its own warnings between others.
-    pub fn new(summary: &'a Summary, before: Vec<String>, after: Vec<String>) -> Self {
-        Self { summary, warnings: [before, warnings(summary), after].concat() }
+    /// The summary with its own warnings between others, and the bends of the limb that ran.
+    pub fn new(summary: &'a Summary, limb: Option<&Limb>, before: Vec<String>, after: Vec<String>) -> Self {
+        Self { summary, bends: limb.map(of_limb), warnings: [before, warnings(summary), after].concat() }
     }
+}
+
+/// The limb of a recorded run; `None` where its log has no scene, or one of another version.
+pub fn recorded_limb(log: &RunLog) -> Option<Limb> {
+    let scene = softlimb_scene::parse(&log.info.scene_text, "scene.toml").ok()?;
+    Limb::new(&scene).ok()
 }
 
 /// One line for the margins that `check` warns of, with the first of its warnings.
