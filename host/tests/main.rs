@@ -8,6 +8,7 @@ mod eval_auto;
 mod eval_batch;
 mod eval_lines;
 mod eval_order;
+mod eval_reference;
 mod eval_section;
 mod eval_series;
 mod eval_two_windings;

@@ -147,7 +147,7 @@ impl Query {
         let stated = if parameters.motion == Motion::Bending { error.filter(|_| self.is_free()) } else { Some(0.0) };
         let analytic = Answer::analytic(&solution, stated);
         match choice {
-            Choice::Auto(tolerance) if is_wound_bender(parameters) && error.is_none_or(|error| error > tolerance) => {
+            Choice::Auto(tolerance) if is_wound_bender(parameters) && stated.is_none_or(|error| error > tolerance) => {
                 // Vacuum and more than 100 shear moduli are outside the finite elements' range.
                 Ok(by_section().unwrap_or(analytic))
             }

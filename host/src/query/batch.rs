@@ -22,7 +22,7 @@ use super::request::{Case, Model, Question, Request};
 use super::section_fe::{Discretisation, SectionAnswer, SectionQuery, solve_section};
 use super::series::{SeriesAnswer, SeriesRequest};
 use super::two_windings;
-use softlimb_fea::cross_section::{SectionError, analytic_bend_error, is_wound_bender};
+use softlimb_fea::cross_section::{SectionError, is_wound_bender};
 use softlimb_files::object::Object;
 use softlimb_limb::largest_stretch;
 
@@ -186,12 +186,12 @@ pub(super) fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, Strin
 /// The analytic answer with its errors, or with model `auto` that of finite elements where the error of the first is beyond the tolerance.
 fn chosen(case: &Case, analytic: &Solution<f64>, scalar: Scalar) -> Result<Answer, String> {
     let is_solved = analytic.status == Status::Solved;
-    let is_within = analytic_bend_error(&case.parameters, &analytic.state).is_some_and(|error| error <= case.tolerance);
+    let is_within = errors::estimated(case, &analytic.state).is_some_and(|error| error <= case.tolerance);
+    // Vacuum and more than 100 shear moduli are outside the finite elements' range.
     let serves = case.model == Model::Analytic
         || scalar == Scalar::F32
-        || (is_solved && is_within)
+        || (is_solved && (is_within || analytic.state.pressure_pa < 0.0))
         || !is_wound_bender(&case.parameters);
-    // Vacuum and more than 100 shear moduli are outside the finite elements' range.
     if !serves && let Ok(found) = by_section(case) {
         return Ok(of_section(case, &found));
     }

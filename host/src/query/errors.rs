@@ -3,7 +3,8 @@
 use fra_model::{Load, Motion, State, StateQuantity, Status};
 use serde::Serialize;
 
-use super::request::{Case, Question};
+use super::request::{Case, Model, Question};
+use super::section_fe::{SectionQuery, solve_section};
 use super::two_windings;
 use softlimb_fea::cross_section::analytic_bend_error;
 use softlimb_limb::{Bent, winding_effect};
@@ -30,12 +31,19 @@ pub(super) struct Errors {
     winding_2deg: Option<f64>,
 }
 
+/// Upper estimate of the analytic bend's error, where there is one: without load, among other conditions.
+pub(super) fn estimated(case: &Case, state: &State<f64>) -> Option<f64> {
+    analytic_bend_error(&case.parameters, state).filter(|_| case.load == Load::none())
+}
+
 /// Errors of an analytic answer. Without a request for all of them, those of the model and of the winding alone.
 pub(super) fn of_analytic(case: &Case, state: &State<f64>, precision: f64) -> Errors {
-    let straight = case.parameters.motion != Motion::Bending;
-    let loaded = case.load != Load::none();
-    let bend = || analytic_bend_error(&case.parameters, state).filter(|_| !loaded);
-    let model = if straight { Some(0.0) } else { bend() };
+    let is_stated = case.errors || case.model == Model::Analytic;
+    let model = if case.parameters.motion != Motion::Bending {
+        Some(0.0)
+    } else {
+        estimated(case, state).or_else(|| is_stated.then(|| against_section(case, state)).flatten())
+    };
     let winding_2deg = case.winding.then(|| winding(case, state, false)).flatten();
     if !case.errors {
         return Errors { model, winding_2deg, ..Errors::default() };
@@ -50,13 +58,27 @@ pub(super) fn of_analytic(case: &Case, state: &State<f64>, precision: f64) -> Er
 
 /// Errors of an answer by finite elements, with the error of discretisation of its quantity.
 pub(super) fn of_section(case: &Case, state: &State<f64>, discretisation: Option<f64>) -> Errors {
-    let relative = |error: f64| error / natural(case, state).abs();
     Errors {
         rounding: case.errors.then_some(SECTION_ROUNDING),
-        discretisation: discretisation.map(relative),
+        discretisation: discretisation.and_then(|error| relative(error, natural(case, state))),
         model: Some(0.0),
         winding_2deg: case.winding.then(|| winding(case, state, true)).flatten(),
     }
+}
+
+/// Error of the analytic bend against finite elements at its pressure, theirs of discretisation added. `None` where they have no equilibrium.
+fn against_section(case: &Case, state: &State<f64>) -> Option<f64> {
+    let Case { parameters, range, load, .. } = case;
+    let question = Question::Forward { pressure_pa: state.pressure_pa };
+    let query = SectionQuery { parameters, second_fiber: None, question, range: *range, load: *load };
+    let found = solve_section(&query).ok()?;
+    let bend = natural(case, found.state.as_ref()?);
+    relative((natural(case, state) - bend).abs() + found.error?.natural(parameters.motion), bend)
+}
+
+/// Over a deformation that is no rounding of none.
+fn relative(error: f64, deformation: f64) -> Option<f64> {
+    (deformation.abs() > SECTION_ROUNDING).then(|| error / deformation.abs())
 }
 
 /// The deformation that the motion is named after.
