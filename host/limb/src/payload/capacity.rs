@@ -10,6 +10,8 @@ use super::program::{Outcome, Program};
 
 /// Within this share of its range a limit is active.
 const ACTIVE: f64 = 1e-6;
+/// Components below this share of the largest are rounding: a load through an axis has no moment about it.
+const ROUNDING: f64 = 1e-12;
 
 /// A bundle and what it has to balance, in a frame of its own.
 #[derive(Clone, Debug)]
@@ -200,12 +202,14 @@ fn rows(program: &mut Program, question: &LoadQuery, station: &Linearised, affin
         pairs.map(|(column, [low, high])| (column[row] * (high - low)).abs() / arm(row)).fold(0.0, f64::max)
     };
     let largest = (0..6).map(size).fold(0.0, f64::max);
-    for row in (0..6).filter(|row| station.rows[*row] && size(*row) > 1e-12 * largest) {
+    let size_of_load = (0..6).map(|row| station.per_load[row].abs() / arm(row)).fold(0.0, f64::max);
+    for row in (0..6).filter(|row| station.rows[*row] && size(*row) > ROUNDING * largest) {
         for (j, column) in program.columns.iter_mut().enumerate() {
             let own = j.checked_sub(first).and_then(|i| affine.columns.get(i));
             column.push(own.map_or(0.0, |own| own[row]));
         }
-        program.load.push(station.per_load[row]);
+        let per_load = station.per_load[row];
+        program.load.push(if per_load.abs() / arm(row) > ROUNDING * size_of_load { per_load } else { 0.0 });
         program.constant.push(station.constant[row] + affine.constant[row]);
         program.rows_scale.push(arm(row) * largest.max(f64::MIN_POSITIVE));
     }

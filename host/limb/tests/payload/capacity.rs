@@ -149,6 +149,8 @@ fn what_cannot_be_held_and_what_needs_no_pressure_is_said() {
     assert_eq!(found.outcome, Outcome::Infeasible, "a moment beyond what pressures can balance");
     let found = capacity(&question(0.03, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0; 6], f64::INFINITY)).unwrap();
     assert_eq!(found.outcome, Outcome::Unbounded, "shear is left to the walls");
+    let found = capacity(&question(0.03, [1.0, 0.0, 0.0, 0.0, 1e-17, 0.0], [0.0; 6], f64::INFINITY)).unwrap();
+    assert_eq!(found.outcome, Outcome::Unbounded, "an arm of rounding needs no moment");
     // All three at one point: moments are the walls' business then, and the axial force is what it was.
     let found = capacity(&question(0.0, [0.0, 0.0, -1.0, 0.0, 1.0, 0.0], [0.0; 6], f64::INFINITY)).unwrap();
     let all = three(0.0, 1.0).wrench(&[1e5; 3]).unwrap()[2];

@@ -53,7 +53,7 @@ impl Model {
         match self {
             Self::Analytic => "straight actuators, where it is exact; benders whose stated error is small enough",
             Self::Cubic => "one bender on a controller of your own; fea calibrate states its error",
-            Self::Table => "every actuator on the device",
+            Self::Table => "actuators on the device, if a table keeps its error",
             Self::Section => "wound benders and two windings; default where the analytic error is above 0.5 %",
             Self::Calculix => "caps, ends and the pitch of threads, by fea run",
         }
