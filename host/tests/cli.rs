@@ -22,4 +22,5 @@ mod run;
 mod scenes;
 mod usage;
 #[cfg(unix)]
+mod waiting;
 mod wire;

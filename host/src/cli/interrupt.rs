@@ -6,13 +6,14 @@ use std::sync::atomic::AtomicBool;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use super::Failure;
+use super::{Failure, waiting};
 
 /// Exit code of a program that Ctrl-C has ended.
-const INTERRUPTED: i32 = 130;
+pub(super) const INTERRUPTED: i32 = 130;
 
 /// Becomes true with the first Ctrl-C or end signal; the second ends the program at once.
 pub(super) fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
+    waiting::handles_interrupt();
     let interrupted = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         // In this order: the shutdown looks at the flag before the same signal makes it true.

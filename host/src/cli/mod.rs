@@ -37,6 +37,7 @@ mod shared;
 mod statics;
 mod sweep;
 mod tolerance;
+mod waiting;
 mod workspace;
 mod workspace_loaded;
 
@@ -51,6 +52,7 @@ use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 pub use design::refused;
 pub use failure::Failure;
 pub use shared::{read, write};
+use waiting::Waiting;
 
 /// End of a verb that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +108,22 @@ enum Verb {
 }
 
 impl Verb {
+    /// Whether it shows nothing while it computes.
+    fn is_silent(&self) -> bool {
+        match self {
+            #[cfg(feature = "terminal")]
+            Self::Jog(_) => false,
+            #[cfg(feature = "console")]
+            Self::Console(_) => false,
+            Self::Device(_) | Self::Record(_) | Self::Completions(_) | Self::Man(_) => false,
+            // Its answers show as they come.
+            Self::Eval(_) => !stdout().is_terminal(),
+            _ => true,
+        }
+    }
+
     fn run(&self) -> Result<Outcome, Failure> {
+        let _waiting = self.is_silent().then(Waiting::begin);
         match self {
             Self::Check(verb) => verb.run(),
             Self::Run(verb) => verb.run(),
@@ -194,8 +211,10 @@ fn code(outcome: Result<Result<Outcome, Failure>, clap::Error>) -> u8 {
 
 /// Prints a result. A reader that has seen enough is no failure.
 pub fn say(text: &str) -> Result<(), Failure> {
-    let mut out = stdout().lock();
-    let written = writeln!(out, "{}", text.trim_end()).and_then(|()| out.flush());
+    let written = waiting::printing(|| {
+        let mut out = stdout().lock();
+        writeln!(out, "{}", text.trim_end()).and_then(|()| out.flush())
+    });
     match written {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::new(format!("cannot write to standard output: {error}")))
@@ -206,7 +225,7 @@ pub fn say(text: &str) -> Result<(), Failure> {
 
 /// Writes a message to standard error. Where nobody listens there is nobody to tell either.
 pub fn note(text: &str) {
-    let _ = writeln!(stderr().lock(), "{text}");
+    let _ = waiting::printing(|| writeln!(stderr().lock(), "{text}"));
 }
 
 /// Writes warnings to standard error; an outcome with any is one with warnings.

@@ -118,25 +118,16 @@ impl Run {
         let on_progress = |progress: Progress| {
             bar.set_position((1e3 * progress.time_s / progress.duration_s.max(1e-9)) as u64);
         };
-        let (outcome, canceled) = match address {
+        let cancel = interrupt()?;
+        let outcome = match address {
             Some(Address::Port(port)) => {
-                let cancel = interrupt()?;
-                let outcome = run::run_behind(
-                    &scene,
-                    planned,
-                    (&port, self.samples()),
-                    self.link_fault,
-                    &out,
-                    &cancel,
-                    on_progress,
-                );
-                (outcome, cancel.load(Ordering::Relaxed))
+                run::run_behind(&scene, planned, (&port, self.samples()), self.link_fault, &out, &cancel, on_progress)
             }
             Some(Address::Emulated) => {
-                (self.simulate(&scene, planned, self.controller.flashed(), out, on_progress)?, false)
+                self.simulate(&scene, planned, self.controller.flashed(), (out, &cancel), on_progress)?
             }
-            Some(Address::Simulated) => (self.simulate(&scene, planned, Mcu::Here, out, on_progress)?, false),
-            None => (self.simulate(&scene, planned, self.controller.mcu(), out, on_progress)?, false),
+            Some(Address::Simulated) => self.simulate(&scene, planned, Mcu::Here, (out, &cancel), on_progress)?,
+            None => self.simulate(&scene, planned, self.controller.mcu(), (out, &cancel), on_progress)?,
         };
         bar.finish_and_clear();
         let (files, stopped) = match outcome {
@@ -145,7 +136,8 @@ impl Run {
             Err(error) => return Err(error.into()),
         };
         let summary = report::summary(&files.run);
-        let before: Vec<String> = canceled.then(|| "the run was canceled".to_owned()).into_iter().collect();
+        let before: Vec<String> =
+            cancel.load(Ordering::Relaxed).then(|| "the run was canceled".to_owned()).into_iter().collect();
         let after = [windings, margins.into_iter().collect()].concat();
         let result = RunSummary::new(&summary, Some(&limb), before, after);
         show(self.json, &result, || summary.table())?;
@@ -168,14 +160,14 @@ impl Run {
         scene: &Scene,
         planned: (Limb, Plan),
         mcu: Mcu,
-        out: PathBuf,
+        (out, cancel): (PathBuf, &AtomicBool),
         on_progress: impl FnMut(Progress),
     ) -> Result<Result<RunFiles, RunError>, Failure> {
         let plant = self.plant.as_ref().map(scene::load).transpose()?;
         let plant = plant.as_ref().unwrap_or(scene);
         let seed = self.seed.unwrap_or(plant.seed());
         let options = RunOptions { seed, out, mcu, link_faults: self.link_fault, faults: self.fault.clone() };
-        Ok(run::run_on(scene, planned, plant, &options, &AtomicBool::new(false), on_progress))
+        Ok(run::run_on(scene, planned, plant, &options, cancel, on_progress))
     }
 
     /// An address says which processor; a device behind a port has a limb of its own.

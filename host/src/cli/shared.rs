@@ -10,7 +10,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use super::{Failure, note, say};
+use super::{Failure, note, say, waiting};
 use crate::results::bend::rows;
 use crate::results::with_bends;
 use softlimb_files::write_whole;
@@ -91,6 +91,7 @@ pub(super) fn write_if(file: Option<&PathBuf>, content: impl FnOnce() -> String)
 
 /// Progress on a terminal; nothing elsewhere.
 pub(super) fn bar(length: u64, message: &'static str) -> ProgressBar {
+    waiting::displays();
     let style = ProgressStyle::with_template("{prefix} [{bar:40}] {percent:>3} %  {elapsed_precise}  {msg}");
     let style = style.map_or_else(|_| ProgressStyle::default_bar(), |style| style.progress_chars("=> "));
     ProgressBar::new(length).with_style(style).with_prefix(message)
