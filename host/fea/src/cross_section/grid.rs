@@ -28,8 +28,13 @@ pub(super) struct Grid {
 impl Grid {
     /// The mesh of a number of elements through the wall and around half a turn, each cut into `refine` in both directions.
     pub(super) fn new(build: &Build, part: Part, radial: usize, around: usize, refine: usize) -> Self {
-        let radial = if part == Part::Wedge { WEDGE_RINGS * radial } else { radial };
-        let radii = radii(build.outer, &build.radii_inside(), radial, refine);
+        let ends: Vec<f64> = [1.0].into_iter().chain(build.radii_inside()).chain([build.outer]).collect();
+        let elements = match part {
+            Part::Wedge if build.windings.len() > 1 => no_larger(&ends, WEDGE_RINGS * radial),
+            Part::Wedge => shared(&ends, WEDGE_RINGS * radial),
+            _ => shared(&ends, radial),
+        };
+        let radii = steps(&ends, &elements.iter().map(|count| refine * count).collect::<Vec<_>>());
         let axis_surface = node_at(&radii, build.axis_surface());
         let (angles, strip_columns) = angles(build, part, around, refine);
         Self { part, radii, angles, axis_surface, strip_columns }
@@ -89,21 +94,28 @@ fn node_at(radii: &[f64], radius: f64) -> usize {
     radii.iter().position(|node| *node >= radius).unwrap_or(radii.len() - 1)
 }
 
-/// Geometric steps, with mesh lines at `inside`; each zone between them has at least one element.
-fn radii(outer: f64, inside: &[f64], elements: usize, refine: usize) -> Vec<f64> {
-    let ends: Vec<f64> = [1.0].into_iter().chain(inside.iter().copied()).chain([outer]).collect();
-    let elements = elements.max(ends.len() - 1);
+/// Elements of the zones between `ends`: a number in all, or one a zone if that is more.
+fn shared(ends: &[f64], elements: usize) -> Vec<usize> {
+    let zones = ends.len() - 1;
+    let elements = elements.max(zones);
     let (mut within, mut counts) = (0, Vec::new());
     for (zone, end) in ends.iter().enumerate().skip(1) {
-        let share = end.ln() / outer.ln();
-        let most = elements - (ends.len() - 1 - zone);
+        let share = end.ln() / ends[zones].ln();
+        let most = elements - (zones - zone);
         let next = ((elements as f64 * share).round() as usize).clamp(within + 1, most);
-        counts.push(refine * (next - within));
+        counts.push(next - within);
         within = next;
     }
-    steps(&ends, &counts)
+    counts
 }
 
+/// Elements of the zones between `ends` that are no larger than those of an undivided wall: a narrow zone takes none from its neighbours.
+fn no_larger(ends: &[f64], elements: usize) -> Vec<usize> {
+    let size = ends[ends.len() - 1].ln() / elements as f64;
+    ends.windows(2).map(|zone| ((zone[1] / zone[0]).ln() / size).ceil() as usize).collect()
+}
+
+/// Radii of the nodes, in geometric steps within each zone.
 fn steps(ends: &[f64], elements: &[usize]) -> Vec<f64> {
     let mut radii = vec![ends[0]];
     for (zone, &count) in ends.windows(2).zip(elements) {

@@ -12,6 +12,7 @@ const MESH_MAX: usize = 128;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mesh {
     /// Elements through the wall: even, 2 to 128. A winding inside the wall splits them between its two sides, at least two each.
+    /// Straight actuators have twice as many; two windings inside their wall add some, so that none is larger than without windings.
     pub radial: usize,
     /// Elements around half a turn: even, 4 to 128. Straight actuators are the same all around and need none.
     pub around: usize,

@@ -188,7 +188,7 @@ impl<'a> Path<'a> {
         let mut before = f64::INFINITY;
         for _ in 0..NEWTON_STEPS {
             self.work.newton += 1;
-            let linear = self.chain.solve(&state, load).map_err(|_| Refusal::Unsettled)?;
+            let mut linear = self.chain.solve(&state, load).map_err(|_| Refusal::Unsettled)?;
             let change = linear.step.largest();
             if change.is_nan() || change > f64::min(FAR, GROWTH * before) {
                 return Err(Refusal::Unsettled);
@@ -197,6 +197,8 @@ impl<'a> Path<'a> {
             self.step(&mut state, &linear.step);
             if change < SETTLED {
                 let stable = linear.instabilities == 0;
+                // Those of the system are from before its step.
+                (linear.energy, linear.volume) = self.chain.potential(&state.form);
                 return if stable { Ok(self.point(state, linear)) } else { Err(Refusal::Unstable) };
             }
         }

@@ -3,15 +3,13 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Motion, Placement, Status};
-use softlimb_fea::cross_section::{Answer, EndLoad, Limiter, Mesh, Options, Outcome, Section, SectionState, Winding};
+use softlimb_fea::cross_section::{Answer, EndLoad, Limiter, Options, Outcome, Section, SectionState, Winding};
 
 use crate::section::cases::{SOFT, tube};
-use crate::section::straight::{deviation, largest, motion};
+use crate::section::straight::deviation;
 use crate::section::sweep::{Numbers, scale};
 
 const PAIRS: u32 = 200;
-/// Strain that the mesh's departure from a circle is.
-const FROM_CIRCLE: f64 = 1e-9;
 
 /// A tube with two windings and a load of up to a tenth of what its shear modulus means.
 fn pair(numbers: &mut Numbers) -> (ActuatorParameters<f64>, Fiber<f64>, Load<f64>) {
@@ -37,14 +35,12 @@ fn pair(numbers: &mut Numbers) -> (ActuatorParameters<f64>, Fiber<f64>, Load<f64
 #[test]
 fn random_pairs_have_the_answers_of_the_thick_wall_equations() {
     let mut numbers = Numbers::new(79);
-    // Two windings cut the wall into up to three zones.
-    let fine = Options { mesh: Mesh { radial: 8, around: 4 }, ..Options::default() };
-    let (mut solved, mut locked, mut ends, mut worst, mut farthest) = (0, 0, 0, 0.0, 0.0);
+    let (mut solved, mut ends, mut worst, mut farthest) = (0, 0, 0.0, 0.0);
     for sample in 0..PAIRS {
         let (parameters, second, load) = pair(&mut numbers);
         let pressures: Vec<f64> = (0..3).map(|_| numbers.over(0.03, 3.0) * scale(&parameters)).collect();
         let two = Actuator::new(&parameters).and_then(|tube| tube.with_second_fiber(&second)).expect("valid");
-        let section = Section::with_two_windings(&parameters, &second, &fine).expect("valid");
+        let section = Section::with_two_windings(&parameters, &second, &Options::default()).expect("valid");
         let curve = section.curve(&pressures, &EndLoad::of(&load, parameters.motion)).expect("valid");
         for answer in curve.answers {
             let exact = two.forward(answer.pressure_pa, &load).expect("valid");
@@ -53,12 +49,8 @@ fn random_pairs_have_the_answers_of_the_thick_wall_equations() {
                 (Outcome::Equilibrium(found), Status::Solved) => {
                     let state = found.state.over(parameters.length_m);
                     let off = deviation(&state, &exact.state, parameters.outer_radius_m);
-                    let strain = largest(motion(&exact.state, parameters.outer_radius_m));
-                    // Stiff families that lock the tube leave strains next to which the edges of the mesh are no circle.
-                    let allowed = f64::max(1e-5, FROM_CIRCLE / strain);
-                    assert!(off < allowed, "{off:e} {case}");
-                    (worst, solved) = (f64::max(worst, off * 1e-5 / allowed), solved + 1);
-                    locked += u32::from(allowed > 1e-5);
+                    assert!(off < 1e-5, "{off:e} {case}");
+                    (worst, solved) = (f64::max(worst, off), solved + 1);
                 }
                 (Outcome::NoEquilibrium { limit_pressure_pa }, Status::NoSolution) => {
                     let limit = exact.limit_pressure_pa.expect("the branch ends");
@@ -73,9 +65,9 @@ fn random_pairs_have_the_answers_of_the_thick_wall_equations() {
         }
     }
     println!(
-        "{PAIRS} pairs: {solved} equilibria, {locked} of them locked, {worst:.1e} of the motion at most; {ends} beyond the end of the branch, limit pressures within {farthest:.1e}"
+        "{PAIRS} pairs: {solved} equilibria, {worst:.1e} of the motion at most; {ends} beyond the end of the branch, limit pressures within {farthest:.1e}"
     );
-    assert!(solved > 2 * PAIRS && ends > 0 && 10 * locked < solved, "{solved}");
+    assert!(solved > 2 * PAIRS && ends > 0, "{solved}");
 }
 
 fn sheet(angle_deg: f64, families: Families, modulus_pa: f64) -> Fiber<f64> {
