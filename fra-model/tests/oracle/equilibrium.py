@@ -1,4 +1,4 @@
-"""Equilibria of fiber-reinforced tubes in decimal arithmetic of 50 digits, from the equilibrium of stresses.
+"""Equilibria of fiber-reinforced tubes in decimal arithmetic of 50 digits, or as `precision` sets, from the equilibrium of stresses.
 
 A straight tube: P = int (s_tt - s_rr) dr/r, N = pi int [2 (s_zz - s_rr) - (s_tt - s_rr)] r dr, M = 2 pi int s_tz r^2 dr with
 r^2 = r_i^2 + (R^2 - R_i^2)/lambda, in the textbook form: fifty digits afford its cancellations. A sheet is a membrane.
@@ -7,16 +7,32 @@ Unknowns: e = lambda - 1, w = V/V0 - 1, g = Phi R_i/L. All derivatives are diffe
 
 from decimal import Decimal as D, getcontext, localcontext
 
-getcontext().prec = 50
-PI = D("3.14159265358979323846264338327950288419716939937510582097494459")
-ROUGH, FINE = 28, 50
+ROUGH = 28
+
+
+def arctangent_of_inverse(n):
+    term, total, k = D(1) / n, D(0), 1
+    while term:
+        total += term / k if k % 4 == 1 else -term / k
+        term, k = (term / (n * n) if abs(term) > D(10) ** -(FINE + 10) else D(0)), k + 2
+    return total
+
+
+def precision(digits, nodes):
+    """Digits of the arithmetic, and nodes of the quadrature in each panel."""
+    global FINE, PI, RULES
+    FINE = getcontext().prec = digits
+    with localcontext() as context:
+        context.prec = FINE + 10
+        PI = 16 * arctangent_of_inverse(5) - 4 * arctangent_of_inverse(239)
+    RULES = {"rough": gauss(10), "fine": gauss(nodes)}
 
 
 def cos_sin(angle):
     with localcontext() as context:
-        context.prec = 60
+        context.prec = FINE + 10
         term, total = D(1), [D(1), D(0)]
-        for k in range(1, 60):
+        for k in range(1, FINE + 10):
             term = term * angle / k
             total[k % 2] += term if k % 4 < 2 else -term
     return +total[0], +total[1]
@@ -31,7 +47,7 @@ def gauss(n):
         rule = []
         for i in range(n):
             x = D(cos(pi * (i + 0.75) / (n + 0.5)))
-            for _ in range(8):
+            for _ in range(10):
                 last, now = D(1), x
                 for k in range(2, n + 1):
                     last, now = now, ((2 * k - 1) * x * now - (k - 1) * last) / k
@@ -41,12 +57,12 @@ def gauss(n):
     return rule
 
 
-RULES = {ROUGH: gauss(10), FINE: gauss(36)}
+precision(50, 36)
 
 
 def nodes(a, b, pole):
     """Nodes and weights on (a, b); the panels grow with their distance from the pole left of them."""
-    rule = RULES[FINE if getcontext().prec > ROUGH else ROUGH]
+    rule = RULES["fine" if getcontext().prec > ROUGH else "rough"]
     while a < b:
         end = min(b, 2 * a - pole)
         for t, weight in rule:
@@ -188,7 +204,7 @@ def newton(equations, x):
         step = solve(matrix, rest)
         x = [a - b for a, b in zip(x, step)]
         size = max(map(abs, step)) / max(max(map(abs, x)), D(10) ** -20)
-        if last is not None and (size < D(10) ** -36 or (size < D(10) ** -28 and size >= last / 2)):
+        if last is not None and (size < D(10) ** (14 - FINE) or (size < D(10) ** (22 - FINE) and size >= last / 2)):
             return x
         last = size
     raise ArithmeticError("Newton's method did not settle")

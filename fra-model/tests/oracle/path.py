@@ -2,7 +2,7 @@
 
 from decimal import Decimal as D
 
-from equilibrium import solve
+from equilibrium import newton, solve
 
 
 class Path:
@@ -114,3 +114,35 @@ class Path:
                         step = min(step, wanted) / 2
                 return here[0][:3]
         raise ArithmeticError(f"{at} is not on the path")
+
+
+def fold(tube, x):
+    """The limit point next to `x`, where the slope of the pressure over the volume is zero, by the secant method."""
+    x = list(x)
+
+    def at(volume):
+        """Slope of the pressure in equilibrium with the volume; `x` is moved there."""
+        x[1] = volume
+
+        def equations(y):
+            rest, rows = tube.matrix([y[0], volume, y[1]])
+            unit = tube.inputs["c1"]
+            rest[1] -= y[2] * unit
+            return rest, [[row[0], row[2], -unit * (i == 1)] for i, row in enumerate(rows)]
+
+        x[0], x[2], pressure = newton(equations, [x[0], x[2], x[3] / tube.inputs["c1"]])
+        x[3] = pressure * tube.inputs["c1"]
+        _, rows = tube.matrix(x[:3])
+        return solve([[row[0], row[2], -D(i == 1)] for i, row in enumerate(rows)], [-row[1] for row in rows])[2]
+
+    last, now = x[1], x[1] + (1 + x[1]) * D("1e-9")
+    slope = at(last)
+    for _ in range(20):
+        change = at(now) - slope
+        slope += change
+        last, now = now, now - slope * (now - last) / change
+        # The pressure's error is the square of this.
+        if abs(now - last) < D("1e-20"):
+            at(now)
+            return x
+    raise ArithmeticError("the limit point was not found")
