@@ -4,6 +4,7 @@ mod calibrate_command;
 mod cli;
 mod design_command;
 mod design_evaluate;
+mod eval_all;
 mod eval_auto;
 mod eval_batch;
 mod eval_lines;

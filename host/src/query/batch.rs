@@ -19,6 +19,7 @@ use super::convert;
 use super::errors::{self, Errors};
 use super::fields;
 use super::request::{Case, Model, Question, Request};
+use super::section_all::{self, Every};
 use super::section_fe::{Discretisation, SectionAnswer, SectionQuery, solve_section};
 use super::series::{SeriesAnswer, SeriesRequest};
 use super::two_windings;
@@ -76,7 +77,7 @@ pub fn batch(input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Res
 pub fn batch_on(threads: NonZero<usize>, input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Result<()> {
     chunks::in_order(threads, input, output, |chunk| {
         let mut answers = Vec::with_capacity(chunk.lines.len());
-        let mut solver = Solver { scalar, double: Last::none(), single: Last::none() };
+        let mut solver = Solver::new(scalar);
         let (mut rest, mut number) = (chunk.lines.as_slice(), chunk.first_line);
         while !rest.is_empty() {
             rest = write_next(rest, number, &mut solver, &mut answers)?;
@@ -153,57 +154,59 @@ fn actuator(request: &Request, solver: &mut Solver) -> Result<Answer, String> {
 }
 
 pub(super) fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, String> {
-    if let Some(second) = &case.second_fiber {
-        if two_windings::is_by_section(case, solver.scalar)? {
-            let found = by_section(case)?;
-            return Ok(of_section(case, &found));
-        }
-        let solution = two_windings::answer(case, second, solver.scalar)?;
-        return match (case.all, &case.question) {
-            (true, Question::Inverse { target }) => every_solution(case, *target, solver.scalar),
-            _ if case.errors => chosen(case, &solution, solver.scalar),
-            _ => Ok(Answer::of(&solution)),
-        };
-    }
-    if let (true, Question::Inverse { target }) = (case.all, &case.question) {
-        return every_solution(case, *target, solver.scalar);
-    }
-    match (case.model, solver.scalar) {
-        (Model::Analytic | Model::Auto, scalar) => {
-            let solution = match scalar {
-                Scalar::F64 => solver.solve_double(case)?,
-                Scalar::F32 => solver.solve_single(case)?,
+    let is_by_section = match case.second_fiber {
+        None => case.model == Model::SectionFe,
+        Some(_) => two_windings::is_by_section(case)?,
+    };
+    match (&case.question, is_by_section) {
+        (Question::Inverse { target }, true) if case.all => every_by_section(case, *target),
+        (Question::Inverse { target }, false) if case.all => every_solution(case, *target, solver.scalar),
+        (_, true) => Ok(of_section(case, &by_section(case)?)),
+        (_, false) => {
+            let solution = match (&case.second_fiber, solver.scalar) {
+                (Some(second), scalar) => two_windings::answer(case, second, scalar)?,
+                (None, Scalar::F64) => solver.solve_double(case)?,
+                (None, Scalar::F32) => solver.solve_single(case)?,
             };
-            // Most answers are neither about a wound bender nor have their errors.
-            let states_errors = (case.winding || case.model == Model::Auto) && is_wound_bender(&case.parameters);
-            if case.errors || states_errors { chosen(case, &solution, scalar) } else { Ok(Answer::of(&solution)) }
+            if !serves(case, &solution)
+                && let Ok(found) = by_section(case)
+            {
+                return Ok(of_section(case, &found));
+            }
+            Ok(of_analytic(case, &solution, solver.scalar))
         }
-        (Model::SectionFe, Scalar::F64) => Ok(of_section(case, &by_section(case)?)),
-        (Model::SectionFe, Scalar::F32) => Err("`model` \"section-fe\" has no single precision".into()),
     }
 }
 
-/// The analytic answer with its errors, or with model `auto` that of finite elements where the error of the first is beyond the tolerance.
-fn chosen(case: &Case, analytic: &Solution<f64>, scalar: Scalar) -> Result<Answer, String> {
-    let is_solved = analytic.status == Status::Solved;
-    let is_within = errors::estimated(case, &analytic.state).is_some_and(|error| error <= case.tolerance);
-    // Vacuum and more than 100 shear moduli are outside the finite elements' range.
-    let serves = case.model == Model::Analytic
-        || scalar == Scalar::F32
-        || (is_solved && (is_within || analytic.state.pressure_pa < 0.0))
-        || !is_wound_bender(&case.parameters);
-    if !serves && let Ok(found) = by_section(case) {
-        return Ok(of_section(case, &found));
+/// Whether the analytic answer stands: with model `auto` where its error is within the tolerance, or finite elements have no answer.
+fn serves(case: &Case, analytic: &Solution<f64>) -> bool {
+    // Most answers are not about a wound bender.
+    if case.model == Model::Analytic || !is_wound_bender(&case.parameters) {
+        return true;
     }
-    let errors = is_solved.then(|| errors::of_analytic(case, &analytic.state, precision(scalar)));
-    Ok(Answer { model: Some("analytic"), errors, ..Answer::of(analytic) })
+    let is_within = || errors::estimated(case, &analytic.state).is_some_and(|error| error <= case.tolerance);
+    analytic.status == Status::Solved && (analytic.state.pressure_pa < 0.0 || is_within())
+}
+
+/// Whether an answer has its model and errors.
+fn has_errors(case: &Case) -> bool {
+    case.errors || ((case.winding || case.model == Model::Auto) && is_wound_bender(&case.parameters))
+}
+
+/// The analytic answer, of a wound bender with its errors.
+fn of_analytic(case: &Case, solution: &Solution<f64>, scalar: Scalar) -> Answer {
+    if !has_errors(case) {
+        return Answer::of(solution);
+    }
+    let is_solved = solution.status == Status::Solved;
+    let errors = is_solved.then(|| errors::of_analytic(case, &solution.state, precision(scalar)));
+    Answer { model: Some("analytic"), errors, ..Answer::of(solution) }
 }
 
 /// The answer of finite elements, of a wound bender with its errors.
 fn of_section(case: &Case, found: &SectionAnswer) -> Answer {
     let answer = Answer::found(found);
-    let has_errors = case.errors || case.model == Model::Auto || (case.winding && is_wound_bender(&case.parameters));
-    if !has_errors {
+    if !(has_errors(case) || case.model == Model::Auto) {
         return answer;
     }
     let discretisation = found.error.map(|error| error.natural(case.parameters.motion));
@@ -218,20 +221,26 @@ fn precision(scalar: Scalar) -> f64 {
     }
 }
 
-/// The answer with every solution in the range.
+/// The answer with every solution in the range, by the model of the first.
 fn every_solution(case: &Case, target: Target<f64>, scalar: Scalar) -> Result<Answer, String> {
     let (first, all) = match scalar {
         Scalar::F64 => all::<f64>(case, target, |parameters| *parameters)?,
         Scalar::F32 => all::<f32>(case, target, convert::parameters)?,
     };
-    let answer = Answer { all: Some(all), ..Answer::of(&first) };
-    // Finite elements find one solution only: the answer says so of a bend that they would change.
-    let states_errors = case.errors || (case.winding && is_wound_bender(&case.parameters));
-    if !states_errors || first.status != Status::Solved {
+    if !serves(case, &first)
+        && let Ok(answer) = every_by_section(case, target)
+    {
         return Ok(answer);
     }
-    let errors = Some(errors::of_analytic(case, &first.state, precision(scalar)));
-    Ok(Answer { model: Some("analytic"), errors, ..answer })
+    Ok(Answer { all: Some(all), ..of_analytic(case, &first, scalar) })
+}
+
+/// The answer of finite elements with every solution that they have in the range.
+fn every_by_section(case: &Case, target: Target<f64>) -> Result<Answer, String> {
+    let Every { first, solutions, complete } =
+        with_section(case, |query| section_all::every_by_section(query, target))?;
+    let solutions = solutions.iter().filter_map(|one| one.state).collect();
+    Ok(Answer { all: Some(All { solutions, complete }), ..of_section(case, &first) })
 }
 
 fn all<T: Precision>(
@@ -257,6 +266,11 @@ fn all<T: Precision>(
 }
 
 fn by_section(case: &Case) -> Result<SectionAnswer, String> {
+    with_section(case, solve_section)
+}
+
+/// The result of a solver for the query of a case, its errors in the units that the request is written in.
+fn with_section<T>(case: &Case, solve: impl FnOnce(&SectionQuery<'_>) -> Result<T, SectionError>) -> Result<T, String> {
     // Checked first in the unit it is written in, as for the other model.
     let invalid = |error| match case.second_fiber {
         None => as_written(error).to_string(),
@@ -266,7 +280,7 @@ fn by_section(case: &Case) -> Result<SectionAnswer, String> {
     let Case { parameters, question, range, load, .. } = case;
     let second_fiber = case.second_fiber.as_ref();
     let query = SectionQuery { parameters, second_fiber, question: *question, range: *range, load: *load };
-    solve_section(&query).map_err(|error| match (error, second_fiber) {
+    solve(&query).map_err(|error| match (error, second_fiber) {
         (SectionError::SecondWinding(error), _) => two_windings::of_winding("second", error),
         (error, _) => error.to_string(),
     })
@@ -305,6 +319,10 @@ impl<T: Real> Last<T> {
 }
 
 impl Solver {
+    pub(super) fn new(scalar: Scalar) -> Self {
+        Self { scalar, double: Last::none(), single: Last::none() }
+    }
+
     fn solve_double(&mut self, case: &Case) -> Result<Solution<f64>, String> {
         solved(&mut self.double, case, |parameters| *parameters).map_err(|error| as_written(error).to_string())
     }

@@ -9,6 +9,7 @@ mod errors;
 mod fields;
 mod request;
 mod scan;
+mod section_all;
 mod section_fe;
 mod series;
 mod single;

@@ -217,9 +217,6 @@ impl Request {
                 return Err(format!("a forward problem takes no `{field}`"));
             }
         }
-        if all && self.model == Model::SectionFe {
-            return Err("`solutions` \"all\" is not for `model` \"section-fe\": it finds one".into());
-        }
         let stated = self.pressure_range.map(|[least_pa, most_pa]| PressureRange { least_pa, most_pa });
         Ok(Case {
             model: self.model,

@@ -11,7 +11,7 @@ use softlimb_fea::cross_section::{Answer, EndLoad, Equilibrium, Options, Outcome
 use softlimb_files::range::OutOfRange;
 
 /// Steps of the search for a pressure.
-const STEPS: usize = 30;
+pub(super) const STEPS: usize = 30;
 /// Relative tolerance of the search for a target: far below the error of discretisation.
 const TOLERANCE: f64 = 1e-11;
 /// Smaller angles are compared with this, rad.
@@ -77,11 +77,11 @@ impl SectionAnswer {
 }
 
 /// A section with the question's length and load, and the work done for it.
-struct Asked<'a> {
-    section: Section,
-    query: &'a SectionQuery<'a>,
+pub(super) struct Asked<'a> {
+    pub(super) section: Section,
+    pub(super) query: &'a SectionQuery<'a>,
     load: EndLoad,
-    iterations: u32,
+    pub(super) iterations: u32,
 }
 
 /// Answers a query.
@@ -89,14 +89,7 @@ struct Asked<'a> {
 /// # Errors
 /// An error with field, value and range, if a value is outside the range of the finite elements.
 pub fn solve_section(query: &SectionQuery<'_>) -> Result<SectionAnswer, SectionError> {
-    let options = Options::default();
-    let section = match query.second_fiber {
-        None => Section::new(query.parameters, &options),
-        Some(second) => Section::with_two_windings(query.parameters, second, &options),
-    };
-    let section = section.map_err(plain)?;
-    let load = EndLoad::of(&query.load, query.parameters.motion);
-    let mut asked = Asked { section, query, load, iterations: 0 };
+    let mut asked = Asked::new(query)?;
     match query.question {
         Question::Forward { pressure_pa } => {
             let answer = asked.at(pressure_pa)?;
@@ -129,16 +122,31 @@ impl SectionQuery<'_> {
     }
 }
 
-impl Asked<'_> {
-    fn at(&mut self, pressure_pa: f64) -> Result<Answer, SectionError> {
-        let curve = self.section.curve(&[pressure_pa], &self.load).map_err(plain)?;
+impl<'a> Asked<'a> {
+    pub(super) fn new(query: &'a SectionQuery<'a>) -> Result<Self, SectionError> {
+        let options = Options::default();
+        let section = match query.second_fiber {
+            None => Section::new(query.parameters, &options),
+            Some(second) => Section::with_two_windings(query.parameters, second, &options),
+        };
+        let load = EndLoad::of(&query.load, query.parameters.motion);
+        Ok(Self { section: section.map_err(plain)?, query, load, iterations: 0 })
+    }
+
+    /// The answers along the curve at rising pressures, Pa.
+    pub(super) fn along(&mut self, pressures_pa: &[f64]) -> Result<Vec<Answer>, SectionError> {
+        let curve = self.section.curve(pressures_pa, &self.load).map_err(plain)?;
         self.iterations += curve.effort.newton_iterations + curve.coarse_effort.newton_iterations;
+        Ok(curve.answers)
+    }
+
+    pub(super) fn at(&mut self, pressure_pa: f64) -> Result<Answer, SectionError> {
         // One answer a pressure.
-        Ok(curve.answers[0])
+        Ok(self.along(&[pressure_pa])?[0])
     }
 
     /// The pressure that reaches a target: from that of the analytic model by the secant method, below what is known to have no answer.
-    fn reach(&mut self, target: Target<f64>) -> Result<SectionAnswer, SectionError> {
+    pub(super) fn reach(&mut self, target: Target<f64>) -> Result<SectionAnswer, SectionError> {
         let range = &self.query.range;
         range.check()?;
         let first = self.query.analytic(target)?;
@@ -155,7 +163,7 @@ impl Asked<'_> {
                 pressure_pa = 0.5 * (before.0 + pressure_pa);
                 continue;
             };
-            if miss.abs() <= TOLERANCE * size(target) {
+            if is_reached(miss, target) {
                 let inside = range.contains(answer.pressure_pa);
                 return Ok(if inside { self.found(&answer) } else { self.nothing(Status::NoSolution, None) });
             }
@@ -175,7 +183,7 @@ impl Asked<'_> {
     }
 
     /// Distance of an answer beyond a target.
-    fn miss(&self, answer: &Answer, target: Target<f64>) -> Option<f64> {
+    pub(super) fn miss(&self, answer: &Answer, target: Target<f64>) -> Option<f64> {
         let state = answer.equilibrium()?.state.over(self.query.parameters.length_m);
         Some(match target {
             Target::AxialStretch(value) => state.axial_stretch - value,
@@ -186,7 +194,7 @@ impl Asked<'_> {
         })
     }
 
-    fn found(&self, answer: &Answer) -> SectionAnswer {
+    pub(super) fn found(&self, answer: &Answer) -> SectionAnswer {
         let length_m = self.query.parameters.length_m;
         let Some(equilibrium) = answer.equilibrium() else { return self.nothing(status(answer), limit(answer)) };
         SectionAnswer {
@@ -196,7 +204,7 @@ impl Asked<'_> {
         }
     }
 
-    fn nothing(&self, status: Status, limit_pressure_pa: Option<f64>) -> SectionAnswer {
+    pub(super) fn nothing(&self, status: Status, limit_pressure_pa: Option<f64>) -> SectionAnswer {
         SectionAnswer { status, state: None, error: None, limit_pressure_pa, iterations: self.iterations }
     }
 }
@@ -208,6 +216,10 @@ fn status(answer: &Answer) -> Status {
         Outcome::NotConverged { .. } => Status::NotConverged,
         Outcome::NoEquilibrium { .. } | Outcome::LoadNotCarried => Status::NoSolution,
     }
+}
+
+pub(super) fn is_reached(miss: f64, target: Target<f64>) -> bool {
+    miss.abs() <= TOLERANCE * size(target)
 }
 
 /// Reference size of a miss.

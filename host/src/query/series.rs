@@ -212,7 +212,7 @@ impl SeriesCase {
         // Checked first in the precision and unit it is written in, so that a message quotes the value as written.
         let written = self.actuators(|p| *p, convert::fiber, |error| error)?;
         let series = Series::new(&written).map_err(|error| error.to_string())?;
-        if self.is_by_parts(scalar)? {
+        if self.is_by_parts()? {
             return self.by_parts(id, &series, solver);
         }
         if scalar == Scalar::F64 {
@@ -246,19 +246,12 @@ impl SeriesCase {
     }
 
     /// Whether each segment is a question about an actuator, with its model and errors; else the series is one of analytic actuators.
-    fn is_by_parts(&self, scalar: Scalar) -> Result<bool, String> {
+    fn is_by_parts(&self) -> Result<bool, String> {
         for (index, part) in self.parts.iter().enumerate() {
             if part.second_fiber.is_some() {
                 let case = part.case(self, 0.0, (self.model, Some(false)));
-                two_windings::is_by_section(&case, scalar).map_err(|message| in_segment(index, message))?;
+                two_windings::is_by_section(&case).map_err(|message| in_segment(index, message))?;
             }
-        }
-        if scalar == Scalar::F32 {
-            return if self.model == Model::SectionFe {
-                Err("`model` \"section-fe\" has no single precision".into())
-            } else {
-                Ok(false)
-            };
         }
         let wound = || self.parts.iter().any(|part| is_wound_bender(&part.parameters));
         let has_choice = self.model != Model::Analytic || self.errors != Some(false);
@@ -288,7 +281,8 @@ impl SeriesCase {
             Question::Forward { pressure_pa } => pressure_pa,
             Question::Inverse { .. } if analytic.status != Status::Solved => return Ok(nothing(analytic.status)),
             Question::Inverse { target } => {
-                match self.reach(target, analytic.state.pressure_pa, &mut models, solver)? {
+                // In double precision: single steps are too coarse to converge.
+                match self.reach(target, analytic.state.pressure_pa, &mut models, &mut Solver::new(Scalar::F64))? {
                     Ok(pressure_pa) => pressure_pa,
                     Err(status) => {
                         return Ok(SeriesAnswer { limit_pressure_pa: None, limit_segment: None, ..nothing(status) });

@@ -9,19 +9,13 @@ use super::request::{Case, Model, Question};
 /// Whether finite elements answer. Of a bending actuator with two windings they alone have a model: it twists, too.
 ///
 /// # Errors
-/// A message with what two windings do not have.
-pub(super) fn is_by_section(case: &Case, scalar: Scalar) -> Result<bool, String> {
+/// A message if the analytic model is to bend it.
+pub(super) fn is_by_section(case: &Case) -> Result<bool, String> {
     let bends = case.parameters.motion == Motion::Bending;
-    let by_section = case.model == Model::SectionFe || bends;
-    let refused = [
-        (bends && case.model == Model::Analytic, "`motion` \"bending\" with `model` \"analytic\""),
-        (by_section && scalar == Scalar::F32, "single precision with finite elements"),
-        (by_section && case.all, "`solutions` \"all\" with finite elements"),
-    ];
-    match refused.iter().find(|(is_refused, _)| *is_refused) {
-        Some((_, field)) => Err(format!("fiber, second winding: {field} takes one winding")),
-        None => Ok(by_section),
+    if bends && case.model == Model::Analytic {
+        return Err("fiber, second winding: `motion` \"bending\" with `model` \"analytic\" takes one winding".into());
     }
+    Ok(case.model == Model::SectionFe || bends)
 }
 
 /// The tube of a question, with its second winding where it has one. A bending actuator has the first alone.

@@ -145,6 +145,16 @@ impl Answer {
             _ => None,
         }
     }
+
+    /// Highest gauge pressure that the curve was followed to, Pa, at most that asked for.
+    pub fn end_pa(&self) -> f64 {
+        match self.outcome {
+            Outcome::Equilibrium(_) => self.pressure_pa,
+            Outcome::NoEquilibrium { limit_pressure_pa } => limit_pressure_pa,
+            Outcome::LoadNotCarried => 0.0,
+            Outcome::NotConverged { reached_pressure_pa } => reached_pressure_pa,
+        }
+    }
 }
 
 /// Work done for a curve on one of its two meshes.

@@ -106,15 +106,19 @@ impl Section {
         Ok(Self { build: Build::new(parameters, Some(second_fiber), options)?, options: *options })
     }
 
+    /// Highest gauge pressure, Pa, that the model takes: 100 times the shear modulus.
+    pub fn pressure_max_pa(&self) -> f64 {
+        PRESSURE_MAX * self.build.modulus_pa
+    }
+
     /// The equilibria at gauge pressures, Pa, each 0 to 100 times the shear modulus, under a constant load on the end.
     ///
     /// # Errors
     /// [`SectionError::Option`] for a pressure or a load out of range.
     pub fn curve(&self, pressures_pa: &[f64], load: &EndLoad) -> Result<Curve, SectionError> {
         load.check()?;
-        let modulus = self.build.modulus_pa;
         for &pressure in pressures_pa {
-            let allowed = (0.0..=PRESSURE_MAX * modulus).contains(&pressure);
+            let allowed = (0.0..=self.pressure_max_pa()).contains(&pressure);
             require(allowed, "pressures_pa", pressure, "0 to 100 times the shear modulus")?;
         }
         let (coarse, coarse_effort) = self.on_mesh(1, pressures_pa, load);
