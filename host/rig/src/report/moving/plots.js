@@ -29,7 +29,7 @@ const Plots = (() => {
       const named = described.traces.filter((trace) => trace.style !== "setpoint" || described.traces.length <= 3);
       this.labels = named.map((trace) => {
         const label = made("div", "label", this.frame);
-        made("i", "", label);
+        made("i", trace.style, label);
         made("span", "", label).textContent = trace.name;
         return { trace, label, value: made("b", "", label), text: "" };
       });
@@ -103,14 +103,17 @@ const Plots = (() => {
       const px = room / Math.max(range[1] - range[0], 1e-9);
       const band = ({ start, end, name }, style) => {
         const fits = (Math.min(end, range[1]) - Math.max(start, range[0])) * px > name.length * LETTER_PX + 8;
-        const label = { text: fits ? escaped(name) : "", textposition: "top center", font: { size: 11, color: theme.soft }, padding: 2 };
+        const label = { text: escaped(name), textposition: "top center", font: { size: 11, color: theme.soft }, padding: 2 };
         const [x0, x1] = [Math.max(start, range[0]), Math.min(end, range[1])];
-        return { type: "rect", layer: "below", yref: "paper", x0, x1, y0: 0, y1: 1, line: { width: 0 }, label, ...style };
+        const rect = { type: "rect", yref: "paper", x0, x1, y0: 0, y1: 1, line: { width: 0 } };
+        // The name is above the grid, which would cross its letters.
+        const named = { ...rect, layer: "above", fillcolor: "rgba(0,0,0,0)", label };
+        return fits ? [{ ...rect, layer: "below", ...style }, named] : [{ ...rect, layer: "below", ...style }];
       };
       const visible = ({ start, end }) => end > range[0] && start < range[1];
       const phases = run.phases.map((phase, index) => [phase, { fillcolor: index % 2 ? "rgba(0,0,0,0)" : theme.band }]);
       const states = this.all.states.map((state) => [state, { fillcolor: faded(theme.mark, 0.18) }]);
-      const bands = [...phases, ...states].filter(([one]) => visible(one)).map(([one, style]) => band(one, style));
+      const bands = [...phases, ...states].filter(([one]) => visible(one)).flatMap(([one, style]) => band(one, style));
       const marks = run.marks.filter((mark) => mark.time >= range[0] && mark.time <= range[1]);
       const line = (mark) => ({ type: "line", yref: "paper", x0: mark.time, x1: mark.time, y0: 0, y1: 1, line: { color: theme.mark, width: 1.5 } });
       return [...bands, ...marks.map(line)];
@@ -153,7 +156,7 @@ const Plots = (() => {
         one.y = Math.min(one.y, bottom);
         bottom = one.y - LABEL_PX;
         one.label.style.transform = `translateY(${(size.t + one.y - LABEL_PX / 2).toFixed(1)}px)`;
-        one.label.firstChild.style.background = this.color(one.trace);
+        one.label.firstChild.style.color = this.color(one.trace);
       }
       Object.assign(this.cursor.style, { top: `${size.t}px`, height: `${size.h}px` });
     }
