@@ -145,7 +145,7 @@ def test_interpreter_is_free_while_answers_are_computed(tube):
     other = threading.Thread(target=count)
     other.start()
     before = counted[0]
-    bender.forward(np.linspace(1e3, 4e4, 20_000))
+    bender.forward(np.linspace(1e3, 4e4, 200_000))
     during = counted[0] - before
     done.set()
     other.join()
