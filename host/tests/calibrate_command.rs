@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 
-use fra_model::{ActuatorParameters, Material};
+use fra_model::{ActuatorParameters, Fiber, Material};
 use serde_json::Value;
 use softlimb_fea::cross_section::{EndLoad, Options, Section};
 use softlimb_scene as scene;
@@ -327,8 +327,35 @@ fn wound_fingers_are_calibrated_by_finite_elements() {
         assert!((modulus / 0.2e6 - 1.0).abs() < 1e-6, "{modulus}");
         let model = &json["models"][0];
         assert!(model["module"] == "finger" && model["model"] == "section-fe", "{json}");
+        let bends = |off_deg: f64| {
+            // 92 deg are -88 deg.
+            let angle = |deg: f64| if deg > 90.0 { deg - 180.0 } else { deg };
+            let turned = |fiber: Fiber<f64>| Fiber {
+                angle_rad: angle(fiber.angle_rad.to_degrees() + off_deg).to_radians(),
+                ..fiber
+            };
+            let wound = ActuatorParameters { fiber: softer.fiber.map(turned), ..softer };
+            let section = match second.map(turned) {
+                None => Section::new(&wound, &Options::default()),
+                Some(second) => Section::with_two_windings(&wound, &second, &Options::default()),
+            };
+            let curve = section.unwrap().curve(&[40e3 / 3.0, 80e3 / 3.0, 40e3], &EndLoad::default()).unwrap();
+            curve
+                .answers
+                .iter()
+                .map(|answer| answer.equilibrium().unwrap().state.bend_rates_rad_per_m[0])
+                .collect::<Vec<_>>()
+        };
+        let own = bends(0.0);
+        let changes = [-2.0, 2.0]
+            .map(&bends)
+            .map(|off| off.iter().zip(&own).map(|(off, own)| (off / own - 1.0).abs()).fold(0.0, f64::max));
+        let (stated, most) = (model["winding_2deg"].as_f64().unwrap(), changes[0].max(changes[1]));
+        assert!((stated / most - 1.0).abs() < 1e-5 && most > 0.01, "{stated} {changes:?}");
         let table = softlimb(folder.path(), line).out;
         assert!(table.contains(&format!("finger: finite elements of the cross-section, {why}")), "{table}");
+        let off = format!("; 2 deg of fiber angle change the bend by up to {:.1} %", 100.0 * stated);
+        assert!(table.contains(&off), "{table}");
     }
 }
 

@@ -247,7 +247,7 @@ fiber_angle = ["15 deg", "40 deg"]
 /// pressure found, and the planner takes that pressure.
 #[test]
 fn modules_with_two_windings_are_designed() {
-    use fra_model::Motion;
+    use fra_model::{ActuatorParameters, Fiber, Motion};
     use softlimb_fea::cross_section::{EndLoad, Options, Section};
     let soft = "angle = \"3 deg\"\nfamilies = 2\nmodulus = \"10 MPa\"";
     let helix = "angle = \"40 deg\"\nfamilies = 1\nmodulus = \"2 MPa\"";
@@ -274,6 +274,24 @@ fn modules_with_two_windings_are_designed() {
         let state = curve.answers[0].equilibrium().unwrap().state.over(*module.length_m);
         let found = if *module.motion == Motion::Bending { state.bend_angle_rad } else { state.twist_rad };
         assert!((found / wanted - 1.0).abs() < 1e-4, "{motion}: {found} {wanted}");
+        let (first, bend) = (module.fiber.expect("wound"), answer.segments[0].bend);
+        let angles_deg = [first.angle_rad, second.angle_rad].map(f64::to_degrees);
+        let differ = answer.segments[0].windings_deg.iter().zip(angles_deg).map(|(found, own)| (found - own).abs());
+        assert!(differ.fold(0.0, f64::max) < 1e-9 && answer.segments[0].windings_deg.len() == 2, "{angles_deg:?}");
+        let stated = bend.and_then(|bend| bend.winding_2deg);
+        assert_eq!(stated.is_some(), motion == "bending");
+        if let Some(stated) = stated {
+            let changes = [-2f64, 2.0].map(|off_deg| {
+                let turned = |fiber: Fiber<f64>| Fiber { angle_rad: fiber.angle_rad + off_deg.to_radians(), ..fiber };
+                let wound = ActuatorParameters { fiber: Some(turned(*first)), ..module.actuator() };
+                let section = Section::with_two_windings(&wound, &turned(*second), &Options::default()).unwrap();
+                let curve = section.curve(&[pressure_pa], &EndLoad::default()).unwrap();
+                let rates = curve.answers[0].equilibrium().unwrap().state.bend_rates_rad_per_m;
+                (rates[0] * *module.length_m / wanted - 1.0).abs()
+            });
+            let most = changes[0].max(changes[1]);
+            assert!((stated / most - 1.0).abs() < 1e-2, "{stated} {changes:?}");
+        }
         let limb = Limb::new(&designed).unwrap();
         let plan = motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
         let states = plan.states_at(plan.duration_us() as f64);

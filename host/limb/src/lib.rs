@@ -28,4 +28,4 @@ pub use curve::StateCurve;
 pub use limb::{Drive, Limb, LimbModule, base_pose, bending_law, reference_max_pa};
 pub use restraint::TWIST_SHARE_MIN;
 pub use stretch::largest_stretch;
-pub use winding_error::{Bent, WINDING_ERROR_RAD, winding_effect};
+pub use winding_error::{Bent, WINDING_ERROR_RAD, winding_effect, winding_effect_up_to};

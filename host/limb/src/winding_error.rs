@@ -1,5 +1,7 @@
 //! Effect of an error of the winding angle on a bend.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 use fra_model::{Actuator, ActuatorParameters, Fiber, Load, Motion, Status};
 
 use softlimb_fea::cross_section::{EndLoad, Options, Section, is_wound_bender};
@@ -7,7 +9,7 @@ use softlimb_fea::cross_section::{EndLoad, Options, Section, is_wound_bender};
 use crate::LimbModule;
 
 /// Error of the winding angle that answers state the effect of, rad.
-pub const WINDING_ERROR_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
+pub const WINDING_ERROR_RAD: f64 = 2.0 * PI / 180.0;
 
 /// A gauge pressure and the bend that an actuator has there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +53,28 @@ pub fn winding_effect(
     bends.iter().enumerate().filter_map(change).filter(|change| change.is_finite()).reduce(f64::max)
 }
 
-/// Pressures at which a module states the effect, as shares of the highest of its curve.
+/// The [`winding_effect`] on the bends of an actuator without load, up to a gauge pressure, Pa; the bends are by the same model.
+pub fn winding_effect_up_to(
+    parameters: &ActuatorParameters<f64>,
+    second_fiber: Option<&Fiber<f64>>,
+    pressure_max_pa: f64,
+    by_section: bool,
+) -> Option<f64> {
+    let (load, pressures_pa) = (Load::none(), SHARES.map(|share| share * pressure_max_pa));
+    if !is_wound_bender(parameters) || pressure_max_pa <= 0.0 {
+        return None;
+    }
+    let angles = if by_section || second_fiber.is_some() {
+        by_finite_elements(parameters, second_fiber, &pressures_pa, &load)
+    } else {
+        analytic(parameters, &pressures_pa, &load)
+    };
+    let bent = |(pressure_pa, angle): (f64, Option<f64>)| Some(Bent { pressure_pa, bend_angle_rad: angle? });
+    let bends: Vec<Bent> = pressures_pa.into_iter().zip(angles).filter_map(bent).collect();
+    winding_effect(parameters, second_fiber, &bends, &load, by_section)
+}
+
+/// Pressures at which an actuator states the effect, as shares of the highest.
 const SHARES: [f64; 3] = [1.0 / 3.0, 2.0 / 3.0, 1.0];
 
 impl LimbModule {
@@ -70,9 +93,11 @@ impl LimbModule {
     }
 }
 
-/// Farther from the hoop or nearer to it, on either side.
+/// Farther from the hoop or nearer to it, on either side. Beyond the axis it is a winding of the other hand.
 fn turned(fiber: Fiber<f64>, error_rad: f64) -> Fiber<f64> {
-    Fiber { angle_rad: fiber.angle_rad + error_rad * fiber.angle_rad.signum(), ..fiber }
+    let angle_rad = fiber.angle_rad + error_rad * fiber.angle_rad.signum();
+    let beyond = if angle_rad.abs() > FRAC_PI_2 { PI * angle_rad.signum() } else { 0.0 };
+    Fiber { angle_rad: angle_rad - beyond, ..fiber }
 }
 
 fn by_finite_elements(

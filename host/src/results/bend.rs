@@ -46,11 +46,15 @@ pub(crate) fn of_segments(module: &LimbModule) -> Option<Vec<Option<PrintedBend>
     module.is_series().then(|| module.segments().iter().map(PrintedBend::of).collect())
 }
 
+/// The effect of 2 deg of winding, at the end of a line about a bend.
+pub(crate) fn two_degrees(share: f64) -> String {
+    format!("; 2 deg of fiber angle change the bend by up to {:.1} %", 100.0 * share)
+}
+
 /// A line for each bending module or segment with a stated winding.
 pub(crate) fn rows(limb: &Limb) -> Vec<String> {
     let row = |part: &LimbModule| {
-        let off = |share: f64| format!("; 2 deg of fiber angle change the bend by up to {:.1} %", 100.0 * share);
-        let off = part.winding_effect().map_or(String::new(), off);
+        let off = part.winding_effect().map_or(String::new(), two_degrees);
         Some(format!("  {:<16} bends by {}{off}", part.name, part.bend()?))
     };
     limb.parts().filter_map(row).collect()

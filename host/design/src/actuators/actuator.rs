@@ -44,7 +44,7 @@ impl Cap {
 
 /// One segment at one geometry.
 pub(crate) struct Candidate<'a> {
-    pub(super) segment: &'a Segment,
+    pub(crate) segment: &'a Segment,
     pub(crate) geometry: Geometry,
     pub(crate) actuator: Actuator<f64>,
 }

@@ -8,6 +8,7 @@ use super::problem::{Goal, Problem, Segment};
 use super::refined::refined;
 use super::search::{self, Budget, Found, Progress, SolveCounts};
 use super::section::{Aim, Model, ROUNDS, pressure_pa};
+use softlimb_limb::{Bent, winding_effect};
 
 /// An objective below this share of `sum w q^2` is reached: differences below 1e-9 of what was asked.
 const REACHED: f64 = 1e-18;
@@ -81,6 +82,8 @@ pub struct BendAnswer {
     pub model: &'static str,
     /// Largest relative error that the analytic bend states up to the highest pressure; `None` where it states none.
     pub analytic_error: Option<f64>,
+    /// Largest relative change of the bends of the phases if every winding is 2 deg off; `None` where nothing bends.
+    pub winding_2deg: Option<f64>,
 }
 
 /// One segment.
@@ -98,6 +101,9 @@ pub struct SegmentAnswer {
     pub length_m: f64,
     /// Fiber angle from the hoop, deg; 0 for a bender that the analytic model winds as a hoop.
     pub angle_deg: f64,
+    /// Angles of both windings from the hoop, deg; empty where there are no two.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub windings_deg: Vec<f64>,
     /// The highest pressure this geometry may be given, Pa: that of the problem, or the margin below its limit point.
     pub pressure_cap_pa: f64,
     /// The phases.
@@ -386,6 +392,11 @@ fn confirm_segment(
         phases.push(PhaseAnswer { analytic, ..phase_answer(goal.as_ref(), pressure_pa, value, bound) });
     }
     let geometry = candidate.geometry;
+    let bent = |phase: &PhaseAnswer| Bent { pressure_pa: phase.pressure_pa, bend_angle_rad: phase.found };
+    let bends: Vec<Bent> = phases.iter().map(bent).collect();
+    let winding_2deg = segment.by_section(&geometry).and_then(|(parameters, second)| {
+        winding_effect(&parameters, second.as_ref(), &bends, &Load::none(), section.is_some())
+    });
     Ok(SegmentAnswer {
         name: segment.name.clone(),
         inner_radius_m: geometry.inner_radius_m,
@@ -393,9 +404,14 @@ fn confirm_segment(
         wall_m: geometry.outer_radius_m - geometry.inner_radius_m,
         length_m: geometry.length_m,
         angle_deg: geometry.angle_rad.to_degrees(),
+        windings_deg: segment.windings_rad(&geometry).into_iter().map(f64::to_degrees).collect(),
         pressure_cap_pa: cap_pa,
         phases,
-        bend: model.map(|model| BendAnswer { model: model.bend.model(), analytic_error: model.bend.analytic_error() }),
+        bend: model.map(|model| BendAnswer {
+            model: model.bend.model(),
+            analytic_error: model.bend.analytic_error(),
+            winding_2deg,
+        }),
         active_bounds: active_bounds(segment, &found.point),
         condition,
         starts: found.starts,

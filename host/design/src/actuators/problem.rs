@@ -263,10 +263,18 @@ impl Segment {
     /// The actuator of a geometry as finite elements of its section have it, and its second winding; `None` where they are not to.
     pub fn by_section(&self, geometry: &Geometry) -> Option<(ActuatorParameters<f64>, Option<Fiber<f64>>)> {
         let section = self.section?;
-        // The analytic model of a bend that it takes for hoops has no angle.
-        let angle_rad = if self.winding.is_some() { geometry.angle_rad } else { self.bounds.angle_rad[0] };
-        let fiber = Some(section.fiber(geometry, angle_rad));
+        let fiber = Some(section.fiber(geometry, self.first_angle_rad(geometry)));
         Some((ActuatorParameters { fiber, ..self.parameters(geometry) }, self.second_fiber(geometry)))
+    }
+
+    /// Angles of both windings from the hoop, rad; empty where there are no two.
+    pub fn windings_rad(&self, geometry: &Geometry) -> Vec<f64> {
+        self.second.map_or_else(Vec::new, |(_, second_rad)| vec![self.first_angle_rad(geometry), second_rad])
+    }
+
+    /// The analytic model of a bend that it takes for hoops has no angle.
+    fn first_angle_rad(&self, geometry: &Geometry) -> f64 {
+        if self.winding.is_some() { geometry.angle_rad } else { self.bounds.angle_rad[0] }
     }
 
     fn second_fiber(&self, geometry: &Geometry) -> Option<Fiber<f64>> {

@@ -42,6 +42,9 @@ pub struct ModuleDesign {
     pub length_m: f64,
     /// Fiber angle from the hoop, rad; 0 for bending.
     pub fiber_angle_rad: f64,
+    /// Angles of both windings from the hoop, rad; empty where there are no two.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub windings_rad: Vec<f64>,
     /// Direction that it bends towards, rad about the limb's axis; 0 for other motions.
     pub mount_angle_rad: f64,
     /// The highest gauge pressure that its bounds allow, with the margin to the limit point, Pa.

@@ -70,6 +70,7 @@ impl Made<'_> {
             outer_radius_m: geometry.outer_radius_m,
             length_m: self.whole_m(),
             fiber_angle_rad: geometry.angle_rad,
+            windings_rad: self.section.candidate.segment.windings_rad(geometry),
             mount_angle_rad: if self.section.motion() == Motion::Bending { self.mount_angle_rad } else { 0.0 },
             pressure_cap_pa: self.section.cap_pa(),
             mass_kg: elastomer + self.rigid_kg,

@@ -5,7 +5,8 @@ use fra_model::{
     Status,
 };
 
-use super::{Branch, Property};
+use super::{Branch, Observation, Property};
+use softlimb_limb::winding_effect_up_to;
 
 /// One actuator, or the actuators of a module taken as equal, with the sensor of its pressure.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,6 +134,15 @@ impl Body {
             let by_band = if by_band < 0.0 { sign * by_band } else { -1.0 };
             Deforming { pressure_pa: pressure_pa - band_pa, sign, by_pressure: sign, by_band }
         }
+    }
+
+    /// The largest relative change of its bend if the winding is 2 deg off, up to the highest pressure among the measurements of the body with that
+    /// `index`; `None` of other actuators than wound benders.
+    pub fn winding_effect(&self, observations: &[Observation], index: usize, by_section: bool) -> Option<f64> {
+        let own = observations.iter().filter(|seen| seen.body == index);
+        let deforming_pa = own.map(|seen| self.deforming(seen.reading_pa, seen.branch).pressure_pa);
+        let most_pa = deforming_pa.fold(0.0, f64::max);
+        winding_effect_up_to(&self.parameters, self.second_fiber.as_ref(), most_pa, by_section)
     }
 
     /// The deformation without pressure, in the SI unit of the quantity.

@@ -1,5 +1,6 @@
 //! Pressures and deformations at rest, out of the log of a run.
 
+use super::Branch;
 use crate::record::{ModuleInfo, PhaseInfo, RunLog, Sample};
 use std::ops::Range;
 
@@ -29,6 +30,8 @@ pub struct Hold {
     pub quantity: StateQuantity,
     /// Mean of the deformation that was achieved, in the SI unit of the quantity.
     pub value: f64,
+    /// Whether the pressure rose to it or fell, from the hold before.
+    pub branch: Branch,
 }
 
 /// The limb at the end of a hold: means of what was seen.
@@ -58,11 +61,25 @@ impl LimbHold {
 ///
 /// Modules whose setpoints are pressures have no deformation in the log and are left out.
 pub fn holds(log: &RunLog) -> Vec<Hold> {
-    let mut found = Vec::new();
+    let mut found: Vec<Hold> = Vec::new();
     for Window { phase, samples, .. } in windows(log) {
         for (index, module) in log.info.modules.iter().enumerate() {
             let Some((reading_pa, value)) = at_rest(&samples, index, module) else { continue };
-            found.push(Hold { module: index, phase: phase.into(), reading_pa, quantity: module.quantity, value });
+            let branch = match found.iter().rfind(|hold| hold.module == index) {
+                None => Branch::Loading,
+                // A pressure that stands still stays on its branch.
+                Some(before) if (reading_pa - before.reading_pa).abs() <= STILL_PA => before.branch,
+                Some(before) if reading_pa < before.reading_pa => Branch::Unloading,
+                Some(_) => Branch::Loading,
+            };
+            found.push(Hold {
+                module: index,
+                phase: phase.into(),
+                reading_pa,
+                quantity: module.quantity,
+                value,
+                branch,
+            });
         }
     }
     found

@@ -1,7 +1,13 @@
 //! Loops of pressure and deformation, and measurements that do not fit.
 
+use std::sync::atomic::AtomicBool;
+
 use fra_model::StateQuantity;
-use softlimb_rig::calibrate::{Branch, Observation, Property, Settings, Unknown, fit};
+use softlimb_limb::Limb;
+use softlimb_rig::calibrate::{Branch, Hold, Observation, Property, Settings, Unknown, fit, holds};
+use softlimb_rig::run;
+use softlimb_rig::run::{Mcu, RunOptions};
+use softlimb_scene as scene;
 
 use crate::calibrate::noise::{Noise, is_binomial};
 use crate::calibrate::tube::{Tube, grid};
@@ -102,4 +108,101 @@ fn measurement_that_does_not_fit_is_named_and_noise_is_not() {
     }
     println!("{alarms} of {} sets of noise alone have a measurement that does not fit", sets());
     assert!(alarms * 40 <= sets(), "{alarms}");
+}
+
+/// A tube that is loaded and unloaded in five holds.
+const UP_AND_DOWN: &str = r#"format = 1
+name = "up-and-down"
+weight.simulated = false
+
+[materials.silicone]
+law = "neo-hookean"
+shear_modulus = "0.2 MPa"
+
+[windings.helix]
+angle = 0.35
+families = 2
+modulus = "4 MPa"
+thickness = "0.2 mm"
+
+[limb]
+connector = { length = "15 mm", mass = "50 g" }
+
+[[module]]
+name = "arm"
+motion = "extension"
+actuators = 1
+inner_radius = "9 mm"
+outer_radius = "13 mm"
+length = "200 mm"
+material = "silicone"
+winding = "helix"
+
+[limits]
+pressure_max = "150 kPa"
+
+[plant.chamber]
+creep_share = 0
+
+[plant.spread]
+modulus = 0
+wall = 0
+fiber_angle = 0
+sensor_offset = 0
+sensor_gain = 0
+"#;
+
+/// The loop is put into the readings of a run without one: before the reversal they are higher by half its width, after it lower.
+#[test]
+fn holds_of_a_run_on_both_branches_give_the_width_of_a_loop() {
+    let phase = |(index, stretch): (usize, f64)| {
+        format!(
+            "\n[[phase]]\nname = \"p{index}\"\nduration = \"1 s\"\nhold = \"2 s\"\ntargets = {{ arm = {{ axial_stretch = {stretch} }} }}\n"
+        )
+    };
+    let phases: String = [1.03, 1.07, 1.1, 1.1, 1.06, 1.02].into_iter().enumerate().map(phase).collect();
+    let scene = scene::parse(&(UP_AND_DOWN.to_owned() + &phases), "scene.toml")
+        .unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let limb = Limb::new(&scene).unwrap();
+    let plan = softlimb_motion::plan(&scene, &limb).unwrap_or_else(|error| panic!("{error}"));
+    let folder = tempfile::tempdir().unwrap();
+    let options = RunOptions {
+        seed: scene.seed(),
+        out: folder.path().to_owned(),
+        mcu: Mcu::Here,
+        link_faults: None,
+        faults: Vec::new(),
+    };
+    let files = run::run_on(&scene, (limb, plan), &scene, &options, &AtomicBool::new(false), |_| ());
+    let mut log = files.unwrap_or_else(|error| panic!("{error}")).run;
+    let width_pa = 3e3;
+    let reversal_s = log.info.phases[3].end_s();
+    for sample in log.samples.iter_mut().filter(|sample| sample.time_s > 0.0) {
+        let side = if sample.time_s <= reversal_s { 0.5 } else { -0.5 };
+        sample.channels.iter_mut().for_each(|channel| channel.pressure_pa += side * width_pa);
+    }
+    let seen = |hold: Hold| Observation {
+        body: 0,
+        reading_pa: hold.reading_pa,
+        branch: hold.branch,
+        quantity: hold.quantity,
+        value: hold.value,
+        accuracy: 1e-3,
+    };
+    let all = holds(&log);
+    let unloading: Vec<&str> =
+        all.iter().filter(|hold| hold.branch == Branch::Unloading).map(|hold| hold.phase.as_str()).collect();
+    assert!(unloading == ["p4", "p5"] && all.iter().any(|hold| hold.phase == "p3"), "{all:?}");
+    let data: Vec<Observation> = all.into_iter().map(seen).collect();
+    let start = Tube { c: [1.2e5, 0.0, 0.0], ..Tube::soft() }.body("arm");
+    let unknowns = all_of(&[Property::ShearModulus, Property::LoopWidth]);
+    let found = fit(std::slice::from_ref(&start), &data, &unknowns, &Settings::default()).unwrap();
+    for (estimate, truth) in found.estimates.iter().zip([2e5, width_pa]) {
+        println!("{}: {} {:?} beside {truth}", estimate.name, estimate.value, estimate.interval);
+    }
+    // Sensors have 60 Pa of noise and 50 Pa of rounding.
+    assert!((found.estimates[0].value / 2e5 - 1.0).abs() < 0.01, "{:?}", found.estimates[0]);
+    assert!((found.estimates[1].value - width_pa).abs() < 200.0, "{:?}", found.estimates[1]);
+    let refused = fit(&[start], &data[..data.len() - 2], &unknowns, &Settings::default()).unwrap_err().to_string();
+    assert!(refused.contains("of one branch"), "{refused}");
 }

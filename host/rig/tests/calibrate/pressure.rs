@@ -324,20 +324,23 @@ fn hoop_wound() -> Tube {
 fn covered(errors: Errors, accuracy_stated: f64) -> [usize; 2] {
     let clean = hoop_wound().observed(0, &grid(1.03, 1.3, 6), accuracy_stated);
     let sought = [(Property::ShearModulus, 2e5), (Property::PressureOffset, 0.0)];
-    covered_by(&clean.into_iter().step_by(2).collect::<Vec<_>>(), sought, errors)
+    covered_by(&hoop_wound(), &clean.into_iter().step_by(2).collect::<Vec<_>>(), sought, errors)
 }
 
-/// The same for two unknowns with their true values, of data without noise.
-fn covered_by(clean: &[Observation], sought: [(Property, f64); 2], errors: Errors) -> [usize; 2] {
-    let sigma = 2e-3;
-    let start = Tube { c: [1.1e5, 0.0, 0.0], ..hoop_wound() };
+/// The same for two unknowns with their true values, of a tube's data without noise.
+fn covered_by(tube: &Tube, clean: &[Observation], sought: [(Property, f64); 2], errors: Errors) -> [usize; 2] {
+    let sigma = |seen: &Observation| 2e-3 * if seen.quantity == StateQuantity::OuterRadius { tube.outer } else { 1.0 };
+    let off = if sought.iter().any(|(property, _)| *property == Property::FiberAngle) { 0.9 } else { 1.0 };
+    let start = Tube { c: [1.1e5, 0.0, 0.0], angle: off * tube.angle, ..*tube };
     let unknowns = all_of(&sought.map(|(property, _)| property));
     let settings = Settings { noise: errors, ..Settings::default() };
     let mut counts = [0; 2];
     for seed in 0..sets() as u64 {
         let mut noise = Noise::seeded(seed);
-        let data: Vec<_> =
-            clean.iter().map(|seen| Observation { value: seen.value + sigma * noise.normal(), ..*seen }).collect();
+        let data: Vec<_> = clean
+            .iter()
+            .map(|seen| Observation { value: seen.value + sigma(seen) * noise.normal(), ..*seen })
+            .collect();
         let found = fit(&[start.body("tube")], &data, &unknowns, &settings).unwrap();
         for (count, (estimate, (_, truth))) in counts.iter_mut().zip(found.estimates.iter().zip(sought)) {
             let [low, high] = estimate.interval;
@@ -359,8 +362,17 @@ fn intervals_from_residuals_hold_the_truth_as_often_as_they_say() {
 fn intervals_of_the_seating_pressure_hold_the_truth_as_often_as_they_say() {
     let clean = seated(&hoop_wound(), 2e-3).into_iter().filter(|seen| seen.quantity == StateQuantity::AxialStretch);
     let sought = [(Property::ShearModulus, 2e5), (Property::SeatingPressure, 20e3)];
-    let counts = covered_by(&clean.collect::<Vec<_>>(), sought, Errors::FromResiduals);
+    let counts = covered_by(&hoop_wound(), &clean.collect::<Vec<_>>(), sought, Errors::FromResiduals);
     println!("of {} sets the 95 % intervals hold the truth: modulus {}, seating {}", sets(), counts[0], counts[1]);
+    assert!(counts.iter().all(|count| is_binomial(*count, sets(), 0.95)), "{counts:?}");
+}
+
+#[test]
+fn intervals_of_the_winding_angle_hold_the_truth_as_often_as_they_say() {
+    let clean = Tube::soft().observed(0, &grid(1.03, 1.3, 6), 2e-3);
+    let sought = [(Property::ShearModulus, 2e5), (Property::FiberAngle, 0.35)];
+    let counts = covered_by(&Tube::soft(), &clean, sought, Errors::FromResiduals);
+    println!("of {} sets the 95 % intervals hold the truth: modulus {}, angle {}", sets(), counts[0], counts[1]);
     assert!(counts.iter().all(|count| is_binomial(*count, sets(), 0.95)), "{counts:?}");
 }
 

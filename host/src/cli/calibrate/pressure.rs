@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::super::shared::{about, read};
 use super::super::{Failure, Outcome};
-use super::print::{printed, table};
+use super::print::{printed, printed_models, table};
 use super::specimens::{self, Specimen};
 use super::{Files, Fitted, Fitting, Per, Unknowns};
 use softlimb_rig::calibrate::{
@@ -219,9 +219,10 @@ impl Unknowns {
         (fitting, files): (&Fitting, &Files),
     ) -> Result<(Fit, Outcome), Failure> {
         let (fit, observations, warnings) = self.fitted(source, &about(file), fitting)?;
+        let models = printed_models(&fit, &observations, source);
         let fitted = Fitted {
-            table: table(&fit, &observations, source, fitting.confidence.si()),
-            json: printed(&fit, &observations, source),
+            table: table(&fit, &observations, (source, &models), fitting.confidence.si()),
+            json: printed(&fit, &observations, source, models),
             svg: picture(&fit, &observations),
             scene: self.written().then(|| (source.scene.clone(), source.means(&fit, &self.fit))),
             warnings,

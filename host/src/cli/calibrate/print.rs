@@ -6,6 +6,7 @@ use fra_model::StateQuantity;
 use serde::Serialize;
 
 use super::pressure::Source;
+use crate::results::bend::two_degrees;
 use softlimb_rig::calibrate::{Body, BodyModel, Branch, Fit, LimbHold, Loaded, Observation, Property, Reason};
 
 /// A value in the unit that people read it in.
@@ -20,7 +21,12 @@ pub(super) fn shown(property: Property, value: f64) -> (f64, &'static str) {
 }
 
 /// The table of a fit.
-pub(super) fn table(fit: &Fit, observations: &[Observation], source: &Source<'_>, confidence: f64) -> String {
+pub(super) fn table(
+    fit: &Fit,
+    observations: &[Observation],
+    (source, models): (&Source<'_>, &[PrintedModel]),
+    confidence: f64,
+) -> String {
     let interval = format!("{} % interval", 100.0 * confidence);
     let names: Vec<String> = fit
         .estimates
@@ -67,21 +73,20 @@ pub(super) fn table(fit: &Fit, observations: &[Observation], source: &Source<'_>
         }
     }
     let tips = tips(fit, observations.len(), source.loaded);
-    let bends = printed_models(fit, source);
     if !tips.is_empty() {
         let (before, after) = (rms_mm(&tips, |tip| tip.before), rms_mm(&tips, |tip| Some(tip.after)));
         let _ = writeln!(text, "{:<16} {:<15} {:>7} {before:>14} {after:>14} mm", "limb", "tip position", tips.len());
     }
-    for PrintedModel { module, text: model, .. } in bends {
-        let _ = writeln!(text, "{module}: {model}");
+    for model in models {
+        let _ = writeln!(text, "{}", model.line());
     }
     text
 }
 
 /// The models of the bending bodies that there are data about.
-pub(super) fn printed_models(fit: &Fit, source: &Source<'_>) -> Vec<PrintedModel> {
-    let bodies = source.modules.iter().zip(fit.bodies.iter().zip(&fit.models));
-    let of = |(module, (body, model)): (&usize, (&Body, &BodyModel))| {
+pub(super) fn printed_models(fit: &Fit, observations: &[Observation], source: &Source<'_>) -> Vec<PrintedModel> {
+    let bodies = source.modules.iter().zip(fit.bodies.iter().zip(&fit.models)).enumerate();
+    let of = |(index, (module, (body, model))): (usize, (&usize, (&Body, &BodyModel)))| {
         let has_data = source.seen.iter().any(|seen| seen.module == *module);
         let (name, analytic_error) = match model {
             BodyModel::Tube => return None,
@@ -93,6 +98,7 @@ pub(super) fn printed_models(fit: &Fit, source: &Source<'_>) -> Vec<PrintedModel
             module: body.name.clone(),
             model: name,
             analytic_error,
+            winding_2deg: body.winding_effect(observations, index, model.is_by_section()),
             text: model.to_string(),
         })
     };
@@ -102,12 +108,22 @@ pub(super) fn printed_models(fit: &Fit, source: &Source<'_>) -> Vec<PrintedModel
 /// The model of a bending body.
 #[derive(Serialize)]
 pub(super) struct PrintedModel {
-    pub(super) module: String,
+    module: String,
     model: &'static str,
     /// Largest relative error that the analytic bend states at the readings.
     analytic_error: Option<f64>,
+    /// Largest relative change of the bend if the winding is 2 deg off; `None` of benders with an ideal winding.
+    winding_2deg: Option<f64>,
     /// In words, with the reason.
-    pub(super) text: String,
+    text: String,
+}
+
+impl PrintedModel {
+    /// As a line of a table.
+    pub(super) fn line(&self) -> String {
+        let off = self.winding_2deg.map_or(String::new(), two_degrees);
+        format!("{}: {}{off}", self.module, self.text)
+    }
 }
 
 /// Positions of the tip behind so many deformations of a fit.
@@ -187,7 +203,12 @@ struct PrintedPoint {
     after: f64,
 }
 
-pub(super) fn printed(fit: &Fit, observations: &[Observation], source: &Source<'_>) -> Printed {
+pub(super) fn printed(
+    fit: &Fit,
+    observations: &[Observation],
+    source: &Source<'_>,
+    models: Vec<PrintedModel>,
+) -> Printed {
     let estimates = fit.estimates.iter().map(|estimate| PrintedEstimate {
         property: estimate.property.word(),
         unit: estimate.property.si_unit(),
@@ -214,7 +235,7 @@ pub(super) fn printed(fit: &Fit, observations: &[Observation], source: &Source<'
         condition: fit.condition,
         correlation: fit.correlation.clone(),
         points: points.collect(),
-        models: printed_models(fit, source),
+        models,
         tips: tips(fit, observations.len(), source.loaded),
     }
 }

@@ -167,7 +167,7 @@ fn without_load(limb: &Limb, log: &RunLog) -> Vec<Seen> {
     let seen = holds(log).into_iter().map(|hold| Seen {
         module: limb.drive(hold.module).index,
         reading_pa: hold.reading_pa,
-        branch: Branch::Loading,
+        branch: hold.branch,
         quantity: hold.quantity,
         value: hold.value,
         from: from(&hold.phase),

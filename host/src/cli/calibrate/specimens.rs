@@ -47,9 +47,9 @@ pub(super) fn fit(
         let mut source = Source::of_modules(scene, specimen.seen, None);
         source.warnings = specimen.warnings;
         let of_specimen = |error: &dyn Display| about(&format!("specimen `{}`: {error}", specimen.name));
-        let (fit, _, told) = unknowns.fitted(&source, &of_specimen, fitting)?;
+        let (fit, observations, told) = unknowns.fitted(&source, &of_specimen, fitting)?;
         warnings.extend(told.into_iter().map(|told| format!("specimen `{}`: {told}", specimen.name)));
-        let models = printed_models(&fit, &source);
+        let models = printed_models(&fit, &observations, &source);
         fits.push(OfSpecimen { name: specimen.name, fit, models });
     }
     warnings.sort();
@@ -113,7 +113,7 @@ fn table(fits: &[OfSpecimen], effects: &[RandomEffects], confidence: f64) -> Str
     }
     for OfSpecimen { name, models, .. } in fits {
         for model in models {
-            let _ = writeln!(text, "{name}, {}: {}", model.module, model.text);
+            let _ = writeln!(text, "{name}, {}", model.line());
         }
     }
     text

@@ -7,8 +7,10 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::candidates::angles;
 use crate::cli::shared::{about, read, show};
 use crate::cli::{Failure, Outcome, warn};
+use crate::results::bend::two_degrees;
 use softlimb_design::actuators::{Answer, Budget, Objective, PhaseAnswer, Problem, SegmentAnswer, solve};
 use softlimb_fea::cross_section::BEND_TOLERANCE;
 
@@ -165,12 +167,12 @@ pub(super) fn table(answer: &Answer) -> String {
 fn one(text: &mut String, segment: &SegmentAnswer) {
     let _ = writeln!(
         text,
-        "\n{}: inner radius {:.4} mm, outer radius {:.4} mm, length {:.3} mm, fiber angle {:.3} deg",
+        "\n{}: inner radius {:.4} mm, outer radius {:.4} mm, length {:.3} mm, fiber {}",
         segment.name,
         segment.inner_radius_m * 1e3,
         segment.outer_radius_m * 1e3,
         segment.length_m * 1e3,
-        segment.angle_deg
+        angles(segment.angle_deg, segment.windings_deg.iter().copied())
     );
     let active = if segment.active_bounds.is_empty() { "none".into() } else { segment.active_bounds.join(", ") };
     let condition = segment.condition.map_or("-".into(), |value| format!("{value:.3}"));
@@ -185,7 +187,8 @@ fn one(text: &mut String, segment: &SegmentAnswer) {
         let errs =
             bend.analytic_error.map_or("is not known".into(), |error| format!("is up to {:.1} %", 100.0 * error));
         let model = if is_by_section { "finite elements" } else { "the analytic model" };
-        let _ = writeln!(text, "  bends by {model}; the error of the analytic model {errs}");
+        let off = bend.winding_2deg.map_or(String::new(), two_degrees);
+        let _ = writeln!(text, "  bends by {model}; the error of the analytic model {errs}{off}");
     }
     let last = if is_by_section { "       analytic" } else { "" };
     let _ = writeln!(text, "{:>12} {:>14} {:>14} {:>12}{last}", "kPa", "target", "found", "difference");

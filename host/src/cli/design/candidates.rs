@@ -73,18 +73,24 @@ pub(super) fn limb(found: &Candidate) -> String {
     text
 }
 
+/// The fiber angle, or those of two windings.
+pub(super) fn angles(one_deg: f64, both_deg: impl Iterator<Item = f64>) -> String {
+    let both: Vec<String> = both_deg.map(|angle| format!("{angle:.3}")).collect();
+    if both.is_empty() { format!("angle {one_deg:.3} deg") } else { format!("angles {} deg", both.join(" and ")) }
+}
+
 /// Sizes of the modules of a limb.
 fn modules(found: &Candidate) -> String {
     let mut text = String::new();
     for module in &found.modules {
         let _ = writeln!(
             text,
-            "\n{}: inner radius {:.4} mm, outer radius {:.4} mm, length {:.3} mm, fiber angle {:.3} deg, mount angle {:.2} deg, up to {:.1} kPa",
+            "\n{}: inner radius {:.4} mm, outer radius {:.4} mm, length {:.3} mm, fiber {}, mount angle {:.2} deg, up to {:.1} kPa",
             module.name,
             module.inner_radius_m * 1e3,
             module.outer_radius_m * 1e3,
             module.length_m * 1e3,
-            module.fiber_angle_rad.to_degrees(),
+            angles(module.fiber_angle_rad.to_degrees(), module.windings_rad.iter().map(|angle| angle.to_degrees())),
             module.mount_angle_rad.to_degrees(),
             module.pressure_cap_pa * 1e-3
         );

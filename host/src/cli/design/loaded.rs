@@ -137,14 +137,15 @@ fn table(scene: &Scene, design: &LoadedDesign, found: &Found, printed: &Printed<
     );
     for (module, sizes) in design.space.modules.iter().zip(&printed.sizes.modules) {
         let [inner, outer] = sizes.radii_m.map(|radius| 1e3 * radius);
+        let second = module.second.map_or_else(String::new, |(_, rad)| format!("/{:.1}", rad.to_degrees()));
+        let angles = format!("{:.1}{second}", sizes.angle_rad.to_degrees());
         let _ = writeln!(
             text,
-            "  {:<14} {inner:8.2} {outer:8.2} {:8.1} {:8.1} {:8} {:7.1} {:7.1}",
+            "  {:<14} {inner:8.2} {outer:8.2} {:8.1} {:8.1} {:8} {angles:>7} {:7.1}",
             module.name,
             1e3 * sizes.length_m,
             1e3 * sizes.spread_m,
             sizes.spacers,
-            sizes.angle_rad.to_degrees(),
             sizes.mount_angle_rad.to_degrees()
         );
     }
