@@ -90,6 +90,9 @@ fn bend_that_falls_and_rises_has_two_solutions() {
             println!("  {pressure_pa:.1} {off:.1e}");
             assert!(off < 5e-3, "{off} {answer}");
         }
+        let ordinary = ask(&with(line.clone(), json!({"target": {"bend_angle_rad": target}, "solutions": "first"})));
+        let is_same = |found: &f64| (number(&ordinary, "pressure_pa") / found - 1.0).abs() < 1e-6;
+        assert!(found_pa.iter().any(is_same), "{ordinary} {answer}");
         let between = json!([0.5 * (found_pa[0] + found_pa[1]), 1e6]);
         let last = ask(&with(line, json!({"target": {"bend_angle_rad": target}, "pressure_range": between})));
         assert!(pressures_pa(&last).iter().all(|found| (found / found_pa[1] - 1.0).abs() < 1e-8), "{last}");
@@ -109,6 +112,13 @@ fn bend_that_comes_back_to_zero_has_two_solutions() {
         found_pa.len() == 2 && found_pa[0].abs() < 1e-3 && number(&answer, "pressure_pa") == found_pa[0],
         "{answer}"
     );
+    for target in [0.1, 0.5, 1.5] {
+        let line = with(line.clone(), json!({"target": {"bend_angle_rad": target}}));
+        let [all, ordinary] =
+            ["all", "first"].map(|solutions| ask(&with(line.clone(), json!({"solutions": solutions}))));
+        assert_eq!((pressures_pa(&all).len(), &ordinary["status"]), (1, &json!("ok")), "{all} {ordinary}");
+        assert!((number(&all, "pressure_pa") / number(&ordinary, "pressure_pa") - 1.0).abs() < 1e-9, "{ordinary}");
+    }
     let around = states(&line, &[0.5 * found_pa[1], 0.99 * found_pa[1], 1.01 * found_pa[1]]);
     let bends: Vec<f64> = around.iter().map(|state| state.as_ref().expect("an equilibrium").bend_angle_rad).collect();
     assert!(bends[0] < -0.1 && bends[1] < 0.0 && bends[2] > 0.0, "{bends:?} {answer}");

@@ -36,28 +36,34 @@ struct Sample {
 /// As [`solve_section`](super::section_fe::solve_section).
 pub(super) fn every_by_section(query: &SectionQuery<'_>, target: Target<f64>) -> Result<Every, SectionError> {
     let mut asked = Asked::new(query)?;
-    // The search from the analytic answer comes closer to a limit point than samples do.
     let near_analytic = asked.reach(target)?;
-    let low_pa = query.range.least_pa.max(0.0);
-    let high_pa = query.range.most_pa.min(asked.section.pressure_max_pa());
-    let (samples, end) = if low_pa <= high_pa { asked.samples([low_pa, high_pa], target)? } else { (Vec::new(), None) };
-    let mut solutions = asked.crossings(&samples, target)?;
-    let pressure_pa = |one: &SectionAnswer| one.state.map_or(f64::NAN, |state| state.pressure_pa);
-    let found_pa = pressure_pa(&near_analytic);
-    let is_known = |one| (pressure_pa(one) - found_pa).abs() <= SAME * found_pa;
-    if near_analytic.status == Status::Solved && !solutions.iter().any(is_known) {
-        solutions.push(near_analytic);
-    }
-    solutions.sort_by(|a, b| pressure_pa(a).total_cmp(&pressure_pa(b)));
-    // Between samples there may always be more; not beyond the end of the curve.
-    let ended = end.map(|end| asked.found(&end));
-    let is_beyond = samples.is_empty() && ended.is_some_and(|end| end.status == Status::NoSolution);
-    let complete = is_beyond && solutions.is_empty() && query.range.least_pa >= 0.0;
-    let first = solutions.first().copied().or(ended).unwrap_or_else(|| asked.nothing(Status::NoSolution, None));
-    Ok(Every { first: SectionAnswer { iterations: asked.iterations, ..first }, solutions, complete })
+    asked.every(near_analytic, target)
 }
 
 impl Asked<'_> {
+    /// Every solution, with that of the search from the analytic answer: it comes closer to a limit point than samples do.
+    pub(super) fn every(&mut self, near_analytic: SectionAnswer, target: Target<f64>) -> Result<Every, SectionError> {
+        let range = &self.query.range;
+        let low_pa = range.least_pa.max(0.0);
+        let high_pa = range.most_pa.min(self.section.pressure_max_pa());
+        let (samples, end) =
+            if low_pa <= high_pa { self.samples([low_pa, high_pa], target)? } else { (Vec::new(), None) };
+        let mut solutions = self.crossings(&samples, target)?;
+        let pressure_pa = |one: &SectionAnswer| one.state.map_or(f64::NAN, |state| state.pressure_pa);
+        let found_pa = pressure_pa(&near_analytic);
+        let is_known = |one| (pressure_pa(one) - found_pa).abs() <= SAME * found_pa;
+        if near_analytic.status == Status::Solved && !solutions.iter().any(is_known) {
+            solutions.push(near_analytic);
+        }
+        solutions.sort_by(|a, b| pressure_pa(a).total_cmp(&pressure_pa(b)));
+        // Between samples there may always be more; not beyond the end of the curve.
+        let ended = end.map(|end| self.found(&end));
+        let is_beyond = samples.is_empty() && ended.is_some_and(|end| end.status == Status::NoSolution);
+        let complete = is_beyond && solutions.is_empty() && self.query.range.least_pa >= 0.0;
+        let first = solutions.first().copied().or(ended).unwrap_or_else(|| self.nothing(Status::NoSolution, None));
+        Ok(Every { first: SectionAnswer { iterations: self.iterations, ..first }, solutions, complete })
+    }
+
     /// Equilibria at rising pressures of a range, and the answer beyond the end of the curve where that comes first.
     fn samples(
         &mut self,
