@@ -27,7 +27,7 @@ pub(super) struct Eval {
     /// A file of queries, one JSON object a line (`-` for standard input)
     #[arg(long, value_name = "FILE")]
     batch: Option<PathBuf>,
-    /// Precision of a batch
+    /// Precision of a batch; that of finite elements is double
     #[arg(long, value_enum, default_value_t = ScalarName::F64, conflicts_with = "scene")]
     scalar: ScalarName,
     /// Steps of a pressure curve
