@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::shared::show;
 use super::{Failure, Outcome};
+use crate::results::bend::rows;
 use crate::results::{RunSummary, recorded_limb};
 use softlimb_files::write_whole;
 use softlimb_rig::record;
@@ -47,13 +48,12 @@ impl Report {
         }
         write(&out, &log).map_err(Failure::new)?;
         let summary = report::summary(&log);
-        let result = RunSummary::new(
-            &summary,
-            recorded_limb(&log).as_ref(),
-            Vec::new(),
-            log.incomplete.iter().cloned().collect(),
-        );
+        let (limb, incomplete) = (recorded_limb(&log), log.incomplete.iter().cloned().collect());
+        let result = RunSummary::new(&summary, limb.as_ref(), Vec::new(), incomplete);
         show(self.json, &result, || summary.table())?;
+        if !self.json {
+            limb.iter().flat_map(rows).for_each(|row| super::note(row.trim_start()));
+        }
         super::note(&format!("wrote {}", out.display()));
         if let Some(file) = &self.motion {
             let picture = report::motion_svg(&log).ok_or_else(|| {

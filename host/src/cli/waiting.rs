@@ -32,7 +32,7 @@ pub(super) struct Waiting {
 }
 
 impl Waiting {
-    /// Begins to watch. Where Ctrl-C cannot be caught, it ends the program as ever.
+    /// Begins to watch. Where Ctrl-C cannot be caught, it ends the program at once.
     pub(super) fn begin() -> Self {
         let (ended, interrupted) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
         HANDLED.store(flag::register(SIGINT, Arc::clone(&interrupted)).is_err(), Ordering::Relaxed);

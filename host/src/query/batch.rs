@@ -479,7 +479,10 @@ impl Answer {
         if let Some(limit_pressure_pa) = &self.limit_pressure_pa {
             append(out, ",\"limit_pressure_pa\":", limit_pressure_pa)?;
         }
-        append(out, ",\"residual\":", &self.residual)?;
+        // An answer with a state has no `null`.
+        if self.state.is_none() || self.residual.is_some() {
+            append(out, ",\"residual\":", &self.residual)?;
+        }
         append(out, ",\"iterations\":", &self.iterations)?;
         if let Some(error) = &self.discretisation_error {
             append(out, ",\"discretisation_error\":", error)?;

@@ -76,7 +76,7 @@ fn against_section(case: &Case, state: &State<f64>) -> Option<f64> {
     relative((natural(case, state) - bend).abs() + found.error?.natural(parameters.motion), bend)
 }
 
-/// Over a deformation that is no rounding of none.
+/// An error relative to a deformation; `None` where that is rounding alone.
 fn relative(error: f64, deformation: f64) -> Option<f64> {
     (deformation.abs() > SECTION_ROUNDING).then(|| error / deformation.abs())
 }

@@ -16,7 +16,7 @@ const SAME: f64 = 1e-6;
 
 /// Solutions at rising pressures.
 pub(super) struct Every {
-    /// The first of them, or the reason for which there is none.
+    /// The first of them, or why there is none.
     pub(super) first: SectionAnswer,
     pub(super) solutions: Vec<SectionAnswer>,
     /// Whether no pressure in the range has another one.

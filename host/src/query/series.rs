@@ -119,6 +119,7 @@ pub(super) struct SeriesAnswer {
     limit_pressure_pa: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     limit_segment: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     residual: Option<f64>,
     iterations: u32,
     #[serde(skip_serializing_if = "Vec::is_empty")]
