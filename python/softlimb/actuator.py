@@ -317,7 +317,7 @@ class Actuator:
             The change over the bend, in the shape to which pressures, loads and actuators broadcast; NaN where one of the three has no solution.
 
         Raises:
-            InvalidParameter: A value is not accepted, also of the changed winding.
+            InvalidParameter: A value is not accepted.
             ValueError: An actuator does not bend or has no winding, or arrays do not broadcast.
         """
         winding = self.fiber
@@ -372,9 +372,10 @@ class Actuator:
 
 
 def _turned(angle_rad: FloatLike, error_rad: float) -> Floats:
-    """Angles farther from the hoop by an error, on either side of it."""
+    """Angles farther from the hoop by an error, on either side of it. Beyond the axis it is a winding of the other hand."""
     angles = np.asarray(angle_rad, dtype=np.float64)
-    return angles + error_rad * np.where(angles < 0.0, -1.0, 1.0)
+    turned = angles + error_rad * np.where(angles < 0.0, -1.0, 1.0)
+    return np.where(np.abs(turned) > np.pi / 2, turned - np.pi * np.sign(turned), turned)
 
 
 def _rebuilt(values: dict[str, object]) -> Actuator:

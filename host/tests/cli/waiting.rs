@@ -28,7 +28,7 @@ fn interrupt(child: Child) -> (Option<i32>, String) {
 fn interrupt_says_that_results_are_lost() {
     let desk = Desk::with_scene(r#"hold = "0.2 s""#, r#"hold = "60 s""#);
     let child = start(&desk, "learn scene.toml --iterations 200 --csv learned.csv");
-    sleep(Duration::from_secs(1));
+    sleep(Duration::from_secs(3));
     let (code, messages) = interrupt(child);
     assert_eq!(
         (code, messages.as_str()),
