@@ -32,7 +32,14 @@ impl BootInfo {
     /// Whether the program had stopped before: what it left in the limb, nobody has regulated since.
     #[must_use]
     pub const fn is_after_crash(self) -> bool {
-        matches!(self.cause, BootCause::Panic | BootCause::HardFault | BootCause::Watchdog)
+        match self.cause {
+            BootCause::Panic
+            | BootCause::HardFault
+            | BootCause::Watchdog
+            | BootCause::ClockFailure
+            | BootCause::ImageDamaged => true,
+            BootCause::PowerOn | BootCause::ResetPin | BootCause::Software | BootCause::BrownOut => false,
+        }
     }
 }
 

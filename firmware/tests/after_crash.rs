@@ -15,7 +15,9 @@ fn started(cause: BootCause) -> Bench {
 
 #[test]
 fn all_vents_are_open_from_the_first_tick_for_five_seconds_whatever_the_clock_shows() {
-    for cause in [BootCause::Panic, BootCause::HardFault, BootCause::Watchdog] {
+    for cause in
+        [BootCause::Panic, BootCause::HardFault, BootCause::Watchdog, BootCause::ClockFailure, BootCause::ImageDamaged]
+    {
         for began_us in [0, 1_000, 1 << 40] {
             let mut bench = started(cause);
             bench.now_us = began_us;

@@ -55,6 +55,10 @@ interface! {
             Panic = 5,
             /// The processor met an instruction or address that it cannot serve; `boot_detail` is the address of the instruction.
             HardFault = 6,
+            /// The external clock stopped.
+            ClockFailure = 7,
+            /// The image does not have its checksum: it is damaged, or was written in part. The device takes part in nothing.
+            ImageDamaged = 8,
         }
 
         /// Behaviour of the device when the link is lost and its buffer is empty.

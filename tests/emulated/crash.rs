@@ -79,6 +79,7 @@ fn a_crash_empties_the_limb_and_is_told_at_the_next_hello() {
         (Halt::Panic { line: 4711 }, BootCause::Panic, 4711),
         // Without a stack nobody knows where it was.
         (Halt::StackOverflow, BootCause::HardFault, 0),
+        (Halt::ClockFailure, BootCause::ClockFailure, 0),
     ];
     for (halt, cause, detail) in cases {
         let mut host = filling(Flashed::start(&images.flashed(), None).expect("the image starts"));
@@ -100,5 +101,20 @@ fn a_crash_empties_the_limb_and_is_told_at_the_next_hello() {
         host.wait(500_000);
         assert_eq!(host.mcu.outputs(), TickOutputs::SAFE, "{halt:?}: nothing moves by itself");
         host.get_ready(CHANNELS, SetpointKind::Pressure);
+    }
+}
+
+#[test]
+fn turn_that_never_ends_leaves_no_valve_energized_after_two_ticks() {
+    let Some(images) = Images::find("turn_that_never_ends_leaves_no_valve_energized_after_two_ticks") else { return };
+    let mut host = filling(Flashed::start(&images.flashed(), None).expect("the image starts"));
+    let began_us = host.mcu.now_us();
+    assert_ne!(host.mcu.outputs(), TickOutputs::SAFE);
+    host.mcu.processor_mut().halt(Halt::EndlessTurn).expect("the emulator takes it");
+    // The tick whose turn was over, and the one that it decided.
+    host.wait(2_000);
+    for _ in 0..100 {
+        host.wait(1_000);
+        assert_eq!(host.mcu.outputs(), TickOutputs::SAFE, "{} us", host.mcu.now_us() - began_us);
     }
 }

@@ -100,7 +100,7 @@ fn instructions_until_told(host: &mut Host<Flashed>, trace: &Path, before: usize
 #[test]
 fn vents_open_and_all_else_is_let_go_within_a_tick_of_a_crash() {
     let Some(images) = Images::find("vents_open_and_all_else_is_let_go_within_a_tick_of_a_crash") else { return };
-    for halt in [Halt::HardFault, Halt::Panic { line: 4711 }, Halt::StackOverflow] {
+    for halt in [Halt::HardFault, Halt::Panic { line: 4711 }, Halt::StackOverflow, Halt::ClockFailure] {
         let folder = tempfile::tempdir().expect("a folder");
         let trace = folder.path().join("trace");
         let mut host = filling(traced(&images, &trace));

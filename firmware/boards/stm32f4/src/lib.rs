@@ -2,11 +2,15 @@
 //! remembered over a reset. It runs, and is tested, on any computer; what touches the chip is in `hardware`, which only the chip has.
 #![cfg_attr(not(test), no_std)]
 
+pub mod backstop;
+pub mod brown_out;
 pub mod exchange;
 pub mod health;
 pub mod pins;
 pub mod record;
+pub mod samples;
 pub mod schedule;
+pub mod watchdog;
 
 #[cfg(target_os = "none")]
 pub mod hardware;

@@ -19,6 +19,8 @@ pub enum Crash {
         /// Address of the instruction; 0 where it is not known, as after an overflow of the stack.
         address: u32,
     },
+    /// The external clock stopped.
+    ClockFailed,
 }
 
 impl Crash {
@@ -28,6 +30,7 @@ impl Crash {
         let (kind, detail) = match self {
             Self::Panic { line } => (1, line),
             Self::HardFault { address } => (2, address),
+            Self::ClockFailed => (3, 0),
         };
         [MAGIC, kind, detail, check(kind, detail)]
     }
@@ -42,6 +45,7 @@ impl Crash {
         match kind {
             1 => Some(Self::Panic { line: detail }),
             2 => Some(Self::HardFault { address: detail }),
+            3 => Some(Self::ClockFailed),
             _ => None,
         }
     }
@@ -62,6 +66,7 @@ pub fn boot_info(crash: Option<Crash>, flags: ResetFlags) -> BootInfo {
     let (cause, detail) = match crash {
         Some(Crash::Panic { line }) => (BootCause::Panic, line),
         Some(Crash::HardFault { address }) => (BootCause::HardFault, address),
+        Some(Crash::ClockFailed) => (BootCause::ClockFailure, 0),
         // Reference manual RM0090, RCC_CSR. Power coming on sets the flag of brown-out too; every reset that of the pin.
         None if is(29) || is(30) => (BootCause::Watchdog, 0),
         None if is(28) => (BootCause::Software, 0),
@@ -79,9 +84,12 @@ mod tests {
 
     #[test]
     fn record_survives_and_anything_else_is_none() {
-        for crash in
-            [Crash::Panic { line: 17 }, Crash::HardFault { address: 0x0800_1234 }, Crash::HardFault { address: 0 }]
-        {
+        for crash in [
+            Crash::Panic { line: 17 },
+            Crash::HardFault { address: 0x0800_1234 },
+            Crash::HardFault { address: 0 },
+            Crash::ClockFailed,
+        ] {
             let words = crash.to_words();
             assert_eq!(Crash::from_words(words), Some(crash));
             for bit in 0..128 {
@@ -98,6 +106,7 @@ mod tests {
     fn remembered_crash_counts_more_than_the_flags() {
         let cause = |crash, bits: &[u32]| boot_info(crash, ResetFlags(bits.iter().map(|bit| 1 << bit).sum())).cause;
         assert_eq!(cause(Some(Crash::Panic { line: 1 }), &[28, 26]), BootCause::Panic);
+        assert_eq!(cause(Some(Crash::ClockFailed), &[28, 26]), BootCause::ClockFailure);
         assert_eq!(cause(None, &[28, 26]), BootCause::Software);
         assert_eq!(cause(None, &[29, 26]), BootCause::Watchdog);
         assert_eq!(cause(None, &[27, 26, 25]), BootCause::PowerOn);

@@ -12,4 +12,8 @@ pub enum Halt {
     },
     /// Its stack leaves the memory.
     StackOverflow,
+    /// The external clock stops: the interrupt comes that this raises on a chip.
+    ClockFailure,
+    /// Its turn never ends; its interrupts go on.
+    EndlessTurn,
 }

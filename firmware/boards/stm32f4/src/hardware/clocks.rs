@@ -43,7 +43,11 @@ pub fn start(rcc: RCC, debug: &DBGMCU) -> (Rcc, Source) {
     if runs {
         let config = Config::hse(mega_hz.MHz()).sysclk(PROCESSOR_HZ.Hz());
         let config = if is_signal { config.bypass_hse_oscillator() } else { config };
-        return (rcc.freeze(config), Source::External);
+        let rcc = rcc.freeze(config);
+        // RM0090, "Clock security system": from here on a clock that stops raises the interrupt that cannot be masked, and the chip goes
+        // on with its internal oscillator.
+        rcc.cr().modify(|_, w| w.csson().set_bit());
+        return (rcc, Source::External);
     }
     rcc.cr().modify(|_, w| w.hseon().clear_bit());
     // Every chip names itself here.

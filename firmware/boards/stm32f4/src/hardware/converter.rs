@@ -8,10 +8,11 @@ use stm32f4xx_hal::pac::{ADC_COMMON, ADC1, DMA2};
 use stm32f4xx_hal::rcc::Rcc;
 
 use crate::pins::{SENSOR, SENSORS};
+use crate::samples::{CODES, Mean};
 
-/// Codes of the sensors, 12 bits, in the order of [`SENSOR`]. Its name is what an emulator finds it by.
+/// Codes of the sensors, 12 bits, round after round in the order of [`SENSOR`]. Its name is what an emulator finds it by.
 #[unsafe(no_mangle)]
-pub static SAMPLES: [AtomicU16; SENSORS] = [const { AtomicU16::new(0) }; SENSORS];
+pub static SAMPLES: [AtomicU16; CODES] = [const { AtomicU16::new(0) }; CODES];
 
 /// 84 cycles a sample, in the registers of the sampling times.
 const CYCLES_84: u32 = 0b100;
@@ -45,7 +46,7 @@ fn transfer(adc: &ADC1, dma: &DMA2) {
     unsafe {
         stream.par().write(|w| w.bits(adc.dr().as_ptr() as u32));
         stream.m0ar().write(|w| w.bits(SAMPLES.as_ptr() as u32));
-        stream.ndtr().write(|w| w.bits(SENSORS as u32));
+        stream.ndtr().write(|w| w.bits(CODES as u32));
         stream.cr().write(|w| w.msize().bits16().psize().bits16().minc().set_bit().circ().set_bit().en().set_bit());
     }
 }
@@ -63,7 +64,16 @@ fn sequence() -> ([u32; 2], [u32; 2]) {
     (sequence, times)
 }
 
-/// Takes the latest codes. Each is taken once: where the converter has stopped, the next ones are 0, which no sensor says.
+/// The mean code of each sensor since the last call. Each code is taken once: where the converter has stopped, the next means are 0, which no
+/// sensor says.
 pub fn take() -> [u16; SENSORS] {
-    SAMPLES.each_ref().map(|code| code.swap(0, Ordering::Relaxed))
+    let mut means = [Mean::NONE; SENSORS];
+    for round in SAMPLES.chunks_exact(SENSORS) {
+        for (mean, code) in means.iter_mut().zip(round) {
+            // A code that comes in between is lost: one of twenty.
+            mean.add(code.load(Ordering::Relaxed));
+            code.store(0, Ordering::Relaxed);
+        }
+    }
+    means.map(Mean::code)
 }

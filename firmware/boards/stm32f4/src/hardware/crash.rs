@@ -48,6 +48,11 @@ pub fn panicked(info: &PanicInfo<'_>) -> ! {
     stop(Crash::Panic { line: info.location().map_or(0, core::panic::Location::line) })
 }
 
+/// For the handler of the interrupt that cannot be masked. On these chips the clock security system alone raises it.
+pub extern "C" fn clock_failed() -> ! {
+    stop(Crash::ClockFailed)
+}
+
 /// For the fault handler of an image: `frame` is where the stack was.
 pub extern "C" fn faulted(frame: u32) -> ! {
     let_go();

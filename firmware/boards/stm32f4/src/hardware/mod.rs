@@ -2,10 +2,13 @@
 //! handler of faults, which has no stack to rely on.
 #![allow(unsafe_code, reason = "addresses of registers and of the linker; each use says why it is sound")]
 
+pub mod backstop;
 pub mod clocks;
 pub mod coils;
 pub mod converter;
 pub mod crash;
 pub mod host;
+pub mod option_bytes;
 pub mod ports;
 pub mod stack;
+pub mod watchdog;

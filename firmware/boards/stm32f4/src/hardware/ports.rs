@@ -69,6 +69,12 @@ pub fn apply(words: &Words) {
     }
 }
 
+/// Address of the register that sets and resets the outputs of a port.
+#[must_use]
+pub fn set_reset(port: usize) -> usize {
+    register(port, SET_RESET) as usize
+}
+
 /// Whether a pin is high.
 #[must_use]
 pub fn is_high(pin: Pin) -> bool {

@@ -132,7 +132,14 @@ fn link<T: Transport>(probe: &Probe<'_, '_, T>) -> Finding {
     );
     let stopped = matches!(
         device.boot_cause.known(),
-        Some(BootCause::Watchdog | BootCause::Panic | BootCause::HardFault | BootCause::BrownOut)
+        Some(
+            BootCause::Watchdog
+                | BootCause::Panic
+                | BootCause::HardFault
+                | BootCause::BrownOut
+                | BootCause::ClockFailure
+                | BootCause::ImageDamaged
+        )
     );
     let is_at_rest = matches!(device.state.known(), Some(DeviceState::Idle | DeviceState::Ready));
     if stopped || !is_at_rest { failed(text) } else { passed(text) }

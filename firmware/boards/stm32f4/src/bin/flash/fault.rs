@@ -23,6 +23,32 @@ unsafe extern "C" fn HardFault() -> ! {
     )
 }
 
+/// The external clock has stopped. Takes the whole stack: it may come within the handler of a fault.
+///
+/// # Safety
+/// The processor alone calls it.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+unsafe extern "C" fn NonMaskableInt() -> ! {
+    naked_asm!(
+        "movw r1, #:lower16:_stack_start",
+        "movt r1, #:upper16:_stack_start",
+        "msr msp, r1",
+        "b {failed}",
+        failed = sym crash::clock_failed,
+    )
+}
+
+/// An interrupt that nobody serves is a fault too: the library's handler would wait in it for the watchdog.
+///
+/// # Safety
+/// The processor alone calls it.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+unsafe extern "C" fn DefaultHandler() -> ! {
+    naked_asm!("b {fault}", fault = sym HardFault)
+}
+
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
     crash::panicked(info)

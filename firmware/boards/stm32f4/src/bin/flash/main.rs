@@ -21,16 +21,18 @@ mod app {
     use heapless::spsc::{Consumer, Producer, Queue};
     use softlimb_firmware::{BootInfo, LOOK_US};
     use softlimb_image_stm32f4::hardware::coils::{COILS, tick_begins};
-    use softlimb_image_stm32f4::hardware::{clocks, converter, crash, ports, stack};
+    use softlimb_image_stm32f4::hardware::backstop::Backstop;
+    use softlimb_image_stm32f4::hardware::watchdog::Watchdog;
+    use softlimb_image_stm32f4::hardware::{clocks, converter, crash, option_bytes, ports, stack};
     use softlimb_image_stm32f4::health::{Counters, Health};
     use softlimb_image_stm32f4::pins::Controller;
     use softlimb_image_stm32f4::record::{ResetFlags, boot_info};
     use softlimb_image_stm32f4::schedule::{OFF, SLOT_US, SLOTS, VENTING};
+    use softlimb_image_stm32f4::watchdog::Window;
     use softlimb_protocol::BootCause;
     use stm32f4xx_hal::pac::{self, USART2};
     use stm32f4xx_hal::prelude::*;
     use stm32f4xx_hal::serial::{Rx, Serial, Tx, config::Config};
-    use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
     use crate::board::{COUNTS, FlashedBoard, INCOMING, OUTGOING};
 
@@ -41,8 +43,6 @@ mod app {
     const _: () = assert!(2 * SLOTS_PER_LOOK == SLOTS);
     /// Slots of the schedule a second.
     const SLOTS_PER_S: u32 = 10_000;
-    /// Nominal; the watchdog's own oscillator makes 68 to 188 ms of it.
-    const WATCHDOG_MS: u32 = 100;
     /// Wakes of the lowest task between two looks at the stack.
     const WAKES_PER_LOOK: u32 = 1_000;
 
@@ -51,7 +51,8 @@ mod app {
 
     #[local]
     struct Local {
-        watchdog: IndependentWatchdog,
+        watchdog: Watchdog,
+        backstop: Backstop,
         transmitter: Tx<USART2>,
         receiver: Rx<USART2>,
         received: Producer<'static, u8>,
@@ -64,12 +65,14 @@ mod app {
     #[init(local = [incoming: Queue<u8, INCOMING> = Queue::new(), outgoing: Queue<u8, OUTGOING> = Queue::new()])]
     fn init(context: init::Context) -> (Shared, Local) {
         let device = context.device;
-        // Before the clocks, so that nothing on the way can last.
-        let mut watchdog = IndependentWatchdog::new(device.IWDG);
-        watchdog.start(WATCHDOG_MS.millis());
         let flags = ResetFlags(device.RCC.csr().read().bits());
         device.RCC.csr().modify(|_, w| w.rmvf().set_bit());
         let boot = boot_info(crash::take(), flags);
+        if boot.cause == BootCause::PowerOn {
+            option_bytes::set_brown_out_level(&device.FLASH);
+        }
+        // Before the clocks, so that nothing on the way can last.
+        let watchdog = Watchdog::start(device.IWDG, Window::STARTING);
         let first = if boot.is_after_crash() { VENTING } else { OFF };
         // The reset has let go of the vents: where they were open they shall not wait for the clocks.
         ports::set_up(&first);
@@ -85,6 +88,7 @@ mod app {
         let Ok(serial) = serial else { crash::stop(softlimb_image_stm32f4::record::Crash::Panic { line: line!() }) };
         let (transmitter, mut receiver) = serial.split();
         receiver.listen();
+        let backstop = Backstop::start(device.TIM1, &device.DMA2, &mut rcc);
         let mut timer = context.core.SYST;
         timer.set_clock_source(cortex_m::peripheral::syst::SystClkSource::Core);
         timer.set_reload(clocks::PROCESSOR_HZ / SLOTS_PER_S - 1);
@@ -94,13 +98,13 @@ mod app {
         let (received, incoming) = context.local.incoming.split();
         let (outgoing, to_send) = context.local.outgoing.split();
         let board = FlashedBoard::new(incoming, outgoing, source.is_exact());
-        (Shared {}, Local { watchdog, transmitter, receiver, received, to_send, board, boot: Some(boot), source })
+        (Shared {}, Local { watchdog, backstop, transmitter, receiver, received, to_send, board, boot: Some(boot), source })
     }
 
     /// Every 100 us: the coils, and every fifth time the controller.
-    #[task(binds = SysTick, priority = 2, local = [slot: usize = SLOTS - 1])]
+    #[task(binds = SysTick, priority = 2, local = [backstop, slot: usize = SLOTS - 1])]
     fn slot(context: slot::Context) {
-        let slot = context.local.slot;
+        let slot::LocalResources { backstop, slot, .. } = context.local;
         *slot = if *slot + 1 < SLOTS { *slot + 1 } else { 0 };
         if *slot == 0 {
             COILS.begin_tick();
@@ -111,6 +115,7 @@ mod app {
             rtic::pend(pac::Interrupt::EXTI0);
         }
         ports::apply(&COILS.words(*slot));
+        backstop.set_back();
         COUNTS.slots.fetch_add(1, Ordering::Relaxed);
     }
 
@@ -160,6 +165,7 @@ mod app {
     #[idle(local = [watchdog, source, health: Health = Health::new(), wakes: u32 = 0])]
     fn idle(context: idle::Context) -> ! {
         let idle::LocalResources { watchdog, source, health, wakes, .. } = context.local;
+        watchdog.change(Window::RUNNING);
         loop {
             let count = |counter: &core::sync::atomic::AtomicU32| counter.load(Ordering::Relaxed);
             let now = Counters { slots: count(&COUNTS.slots), turns: count(&COUNTS.turns), link: count(&COUNTS.link) };
