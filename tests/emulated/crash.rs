@@ -118,3 +118,35 @@ fn turn_that_never_ends_leaves_no_valve_energized_after_two_ticks() {
         assert_eq!(host.mcu.outputs(), TickOutputs::SAFE, "{} us", host.mcu.now_us() - began_us);
     }
 }
+
+/// Entry of the vector table for an interrupt that the image never enables, from the start of flash.
+const UNUSED_VECTOR: usize = 0x100;
+
+#[test]
+fn damaged_image_empties_the_limb_and_takes_part_in_nothing() {
+    let Some(images) = Images::find("damaged_image_empties_the_limb_and_takes_part_in_nothing") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("damaged.elf");
+    let mut image = std::fs::read(images.flashed()).expect("the image");
+    // The first program header names the place of the vector table in the file, and its address.
+    let word = |at: usize| u32::from_le_bytes(image[at..at + 4].try_into().expect("four bytes")) as usize;
+    let header = word(0x1c);
+    assert_eq!(word(header + 12), 0x0800_0000, "the first segment is the start of flash");
+    let place = word(header + 4) + UNUSED_VECTOR;
+    image[place] ^= 1 << 4;
+    std::fs::write(&path, image).expect("a file");
+    let flashed = Flashed::start(&path, None).expect("the image starts");
+    let mut host = Host::on(SimulatedMcu::with_processor(&settings(CHANNELS), flashed).expect("good settings"));
+    host.wait(5_000);
+    assert_eq!(reason(&mut host), (Some(BootCause::ImageDamaged), 0, Some(DeviceState::Venting)));
+    assert_eq!(host.mcu.outputs(), venting());
+    host.wait(5_100_000);
+    assert_eq!(host.mcu.outputs(), TickOutputs::SAFE);
+    host.configure(CHANNELS, SetpointKind::Pressure);
+    host.wait(500_000);
+    let state = host.telemetry().last().map(|telemetry| telemetry.state.known());
+    assert_ne!(state, Some(Some(DeviceState::Ready)));
+    let start = Command { session: SESSION, code: CommandCode::Start.into(), time_us: host.mcu.now_us() };
+    assert_eq!(host.ask(start), Some(ResultCode::WrongState));
+    assert_eq!(host.mcu.outputs(), TickOutputs::SAFE);
+}

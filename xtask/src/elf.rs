@@ -16,6 +16,8 @@ pub(crate) struct Segment<'a> {
     pub(crate) address: usize,
     /// Address of its bytes before that.
     pub(crate) load_address: usize,
+    /// Place of its bytes in the file.
+    pub(crate) start: usize,
     /// Its bytes.
     pub(crate) bytes: &'a [u8],
     /// Its length in memory, what is loaded and what is not.
@@ -85,7 +87,7 @@ fn loaded(file: &[u8]) -> Option<Vec<Segment<'_>>> {
             [4, 8, 0xc, 0x10, 0x14].map(|offset| word(file, at + offset));
         let (start, length) = (start?, length?);
         let bytes = file.get(start..start.checked_add(length)?)?;
-        segments.push(Segment { address: address?, load_address: load_address?, bytes, length: in_memory? });
+        segments.push(Segment { address: address?, load_address: load_address?, start, bytes, length: in_memory? });
     }
     Some(segments)
 }
@@ -207,7 +209,8 @@ mod tests {
             file.extend(words.into_iter().flat_map(u32::to_le_bytes));
         }
         file.extend([7, 8, 9]);
-        let segment = Segment { address: 0x2000_0000, load_address: 0x0800_0000, bytes: &[7, 8, 9], length: 8 };
+        let segment =
+            Segment { address: 0x2000_0000, load_address: 0x0800_0000, start: 116, bytes: &[7, 8, 9], length: 8 };
         assert_eq!(segments(&file), Ok(vec![segment]));
         for length in 0..file.len() {
             assert!(segments(&file[..length]).is_err(), "{length} bytes");

@@ -3,6 +3,7 @@
 mod flash;
 mod forms;
 mod inspect;
+mod seal;
 mod sizes;
 
 use std::fs;
@@ -74,9 +75,9 @@ pub(crate) fn folder() -> PathBuf {
 pub(crate) fn build(board: Board, what: Sizes) -> Result<Files, Trouble> {
     let toolchain = Toolchain::find().map_err(Trouble::Missing)?;
     let built = built(&toolchain, board).map_err(Trouble::Failed)?;
-    let files =
-        written(&built.join(FLASHED), &format!("softlimb-stm32{}", board.feature())).map_err(Trouble::Failed)?;
-    written(&built.join(TWIN), TWIN).map_err(Trouble::Failed)?;
+    let name = format!("softlimb-stm32{}", board.feature());
+    let files = written(&built.join(FLASHED), &name, seal::seal).map_err(Trouble::Failed)?;
+    written(&built.join(TWIN), TWIN, |_| Ok(())).map_err(Trouble::Failed)?;
     let elf = fs::read(&files.elf).map_err(|error| Trouble::Failed(format!("{}: {error}", files.elf.display())))?;
     inspect::check(&elf, &places(&toolchain)).map_err(Trouble::Failed)?;
     sizes::report(board.feature(), &elf, &toolchain.version, what).map_err(Trouble::Failed)?;
@@ -105,10 +106,11 @@ fn places(toolchain: &Toolchain) -> Vec<(String, &'static str)> {
     places.into_iter().filter_map(|(place, name)| Some((place?.to_str()?.to_owned(), name))).collect()
 }
 
-/// Copies an image under its name and writes it in the other forms.
-fn written(image: &Path, name: &str) -> Result<Files, String> {
+/// Copies an image, finished, under its name and writes it in the other forms.
+fn written(image: &Path, name: &str, finish: impl Fn(&mut [u8]) -> Result<(), String>) -> Result<Files, String> {
     let to_text = |error: std::io::Error| format!("{}: {error}", image.display());
-    let elf = fs::read(image).map_err(to_text)?;
+    let mut elf = fs::read(image).map_err(to_text)?;
+    finish(&mut elf)?;
     let binary = forms::binary(&elf)?;
     let path = |extension: &str| folder().join(format!("{name}.{extension}"));
     let files = Files { elf: path("elf"), bin: path("bin") };

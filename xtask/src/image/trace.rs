@@ -108,8 +108,9 @@ mod tests {
 
     /// The code behind a table that ends where it begins.
     fn meter(bytes: &[u8]) -> Meter<'_> {
-        let table = elf::Segment { address: 0, load_address: 0, bytes: &[0; 0x100], length: 0x100 };
-        let code = vec![table, elf::Segment { address: 0x100, load_address: 0x100, bytes, length: bytes.len() }];
+        let table = elf::Segment { address: 0, load_address: 0, start: 0, bytes: &[0; 0x100], length: 0x100 };
+        let code =
+            vec![table, elf::Segment { address: 0x100, load_address: 0x100, start: 0, bytes, length: bytes.len() }];
         Meter { code, begins: 0x10a..0x10c, ends: 0x200, last: None, before: None, open: None, done: Vec::new() }
     }
 

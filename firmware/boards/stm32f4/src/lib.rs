@@ -10,6 +10,7 @@ pub mod pins;
 pub mod record;
 pub mod samples;
 pub mod schedule;
+pub mod seal;
 pub mod watchdog;
 
 #[cfg(target_os = "none")]

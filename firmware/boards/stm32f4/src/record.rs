@@ -78,6 +78,9 @@ pub fn boot_info(crash: Option<Crash>, flags: ResetFlags) -> BootInfo {
     BootInfo { cause, detail }
 }
 
+/// Why a device started whose image is not what was built: nothing that it does can be relied on, so that it takes part in nothing.
+pub const DAMAGED: BootInfo = BootInfo { cause: BootCause::ImageDamaged, detail: 0 };
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,6 +8,7 @@ pub mod coils;
 pub mod converter;
 pub mod crash;
 pub mod host;
+pub mod image;
 pub mod option_bytes;
 pub mod ports;
 pub mod stack;

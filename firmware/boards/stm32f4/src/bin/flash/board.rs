@@ -37,15 +37,15 @@ pub(crate) struct FlashedBoard {
     incoming: Consumer<'static, u8>,
     outgoing: Producer<'static, u8>,
     pump: PumpDensity,
-    /// Without exact time nothing may move: no sensor is believed, and the device does not become ready.
-    is_time_exact: bool,
+    /// Without exact time, or with a damaged image, nothing may move: no sensor is believed, and the device does not become ready.
+    is_trusted: bool,
     ticks: u32,
     now_ticks: u64,
 }
 
 impl FlashedBoard {
-    pub(crate) fn new(incoming: Consumer<'static, u8>, outgoing: Producer<'static, u8>, is_time_exact: bool) -> Self {
-        Self { incoming, outgoing, pump: PumpDensity::new(), is_time_exact, ticks: 0, now_ticks: 0 }
+    pub(crate) fn new(incoming: Consumer<'static, u8>, outgoing: Producer<'static, u8>, is_trusted: bool) -> Self {
+        Self { incoming, outgoing, pump: PumpDensity::new(), is_trusted, ticks: 0, now_ticks: 0 }
     }
 
     /// Whether a tick has begun since the last turn.
@@ -64,7 +64,7 @@ impl Board<CHANNELS> for FlashedBoard {
         let ticks = COUNTS.ticks.load(Ordering::Relaxed);
         self.now_ticks += u64::from(ticks.wrapping_sub(self.ticks));
         self.ticks = ticks;
-        let [pressure @ .., supply] = converter::take().map(|code| AdcCode(if self.is_time_exact { code } else { 0 }));
+        let [pressure @ .., supply] = converter::take().map(|code| AdcCode(if self.is_trusted { code } else { 0 }));
         TickInputs { now_us: self.now_us(), pressure, supply, emergency_stop: ports::is_high(EMERGENCY_STOP) }
     }
 

@@ -20,13 +20,13 @@ mod app {
 
     use heapless::spsc::{Consumer, Producer, Queue};
     use softlimb_firmware::{BootInfo, LOOK_US};
-    use softlimb_image_stm32f4::hardware::coils::{COILS, tick_begins};
     use softlimb_image_stm32f4::hardware::backstop::Backstop;
+    use softlimb_image_stm32f4::hardware::coils::{COILS, tick_begins};
     use softlimb_image_stm32f4::hardware::watchdog::Watchdog;
-    use softlimb_image_stm32f4::hardware::{clocks, converter, crash, option_bytes, ports, stack};
+    use softlimb_image_stm32f4::hardware::{clocks, converter, crash, image, option_bytes, ports, stack};
     use softlimb_image_stm32f4::health::{Counters, Health};
     use softlimb_image_stm32f4::pins::Controller;
-    use softlimb_image_stm32f4::record::{ResetFlags, boot_info};
+    use softlimb_image_stm32f4::record::{DAMAGED, ResetFlags, boot_info};
     use softlimb_image_stm32f4::schedule::{OFF, SLOT_US, SLOTS, VENTING};
     use softlimb_image_stm32f4::watchdog::Window;
     use softlimb_protocol::BootCause;
@@ -78,6 +78,8 @@ mod app {
         ports::set_up(&first);
         stack::paint();
         let (mut rcc, source) = clocks::start(device.RCC, &device.DBGMCU);
+        let is_sealed = image::is_sealed();
+        let (boot, first) = if is_sealed { (boot, first) } else { (DAMAGED, VENTING) };
         let port = device.GPIOA.split(&mut rcc);
         let pins = (port.pa2, port.pa3);
         let serial = Serial::new(device.USART2, pins, Config::default().baudrate(BAUD.bps()), &mut rcc);
@@ -97,8 +99,11 @@ mod app {
         timer.enable_interrupt();
         let (received, incoming) = context.local.incoming.split();
         let (outgoing, to_send) = context.local.outgoing.split();
-        let board = FlashedBoard::new(incoming, outgoing, source.is_exact());
-        (Shared {}, Local { watchdog, backstop, transmitter, receiver, received, to_send, board, boot: Some(boot), source })
+        let board = FlashedBoard::new(incoming, outgoing, source.is_exact() && is_sealed);
+        (
+            Shared {},
+            Local { watchdog, backstop, transmitter, receiver, received, to_send, board, boot: Some(boot), source },
+        )
     }
 
     /// Every 100 us: the coils, and every fifth time the controller.
