@@ -40,6 +40,16 @@ impl Board {
         }
     }
 
+    /// What its image is for.
+    fn uses(self) -> &'static str {
+        match self {
+            Self::F446 => "NUCLEO-F446RE; `cargo xtask flash --board f446` writes it",
+            Self::F405 => {
+                "STM32F405RG with 12 MHz; `cargo xtask flash --board f405` writes it, `softlimb run --mcu qemu` runs it"
+            }
+        }
+    }
+
     fn feature(self) -> &'static str {
         match self {
             Self::F446 => "f446",
@@ -66,6 +76,21 @@ pub(crate) struct Files {
 /// The folder that the files are put into.
 pub(crate) fn folder() -> PathBuf {
     target_folder().join("firmware")
+}
+
+/// Builds the image of the board, or of all boards, and their twin; says which file is for what.
+///
+/// # Errors
+/// As [`build`].
+pub(crate) fn build_all(board: Option<Board>, what: Sizes) -> Result<(), Trouble> {
+    let boards = board.map_or_else(|| vec![Board::F446, Board::F405], |board| vec![board]);
+    let built: Vec<(PathBuf, &str)> =
+        boards.into_iter().map(|board| Ok((build(board, what)?.elf, board.uses()))).collect::<Result<_, Trouble>>()?;
+    let twin = (folder().join(format!("{TWIN}.elf")), "the twin; `softlimb run --mcu cosim` runs it");
+    for (path, uses) in built.iter().chain([&twin]) {
+        println!("xtask: {}: {uses}", path.display());
+    }
+    Ok(())
 }
 
 /// Builds the image of a board and its twin, looks at them and writes their files.

@@ -44,10 +44,10 @@ Usage: cargo xtask <command>
                emulator: the same bits as here, as many instructions and estimated cycles as recorded, and no more than a
                device has for them; with --record it records them; with --here FOLDER it takes the programs of this computer
                from there and builds none
-  firmware     builds the image for a board, --board f446 (NUCLEO-F446RE, the default) or f405, as .elf, .bin and .hex, and its
-               twin for the emulator; says how large it is, compared with what is recorded, and that nothing is in it that
-               must not be; with --record it records the sizes
-  flash        the same, and writes it into the board that is connected; --board as above
+  firmware     builds the images for both boards, or for one, --board f446 (NUCLEO-F446RE) or f405, as .elf, .bin and .hex, and
+               their twin for the emulator; says how large they are, compared with what is recorded, that nothing is in them
+               that must not be, and which file is for what; with --record it records the sizes
+  flash        builds the image for one board, --board f446 (the default) or f405, and writes it into the one that is connected
   help         this text
 
 Formatting needs rustfmt and the lints need clippy; images need a toolchain for the microcontroller and qemu-system-arm, finite
@@ -73,11 +73,11 @@ fn main() -> ExitCode {
         ["model-image", "--record"] => installed(image::check(Counts::Record, None)),
         ["model-image", "--here", folder] => installed(image::check(Counts::Compare, Some(Path::new(folder)))),
         ["firmware", ref options @ ..] => match board(options) {
-            Some((board, sizes)) => installed(firmware::build(board, sizes).map(drop)),
+            Some((board, sizes)) => installed(firmware::build_all(board, sizes)),
             None => return usage(),
         },
         ["flash", ref options @ ..] => match board(options) {
-            Some((board, Sizes::Compare)) => installed(firmware::flash(board)),
+            Some((board, Sizes::Compare)) => installed(firmware::flash(board.unwrap_or(Board::F446))),
             _ => return usage(),
         },
         ["help" | "--help" | "-h"] => {
@@ -97,13 +97,15 @@ fn usage() -> ExitCode {
     ExitCode::from(2)
 }
 
-/// The options of `firmware`, in any order; `None` for others.
-fn board(options: &[&str]) -> Option<(Board, Sizes)> {
+/// The options of `firmware`, in any order: the board, where one is named; `None` for other options.
+fn board(options: &[&str]) -> Option<(Option<Board>, Sizes)> {
     match *options {
-        [] => Some((Board::F446, Sizes::Compare)),
-        ["--record"] => Some((Board::F446, Sizes::Record)),
-        ["--board", name] => Some((Board::named(name)?, Sizes::Compare)),
-        ["--board", name, "--record"] | ["--record", "--board", name] => Some((Board::named(name)?, Sizes::Record)),
+        [] => Some((None, Sizes::Compare)),
+        ["--record"] => Some((None, Sizes::Record)),
+        ["--board", name] => Some((Some(Board::named(name)?), Sizes::Compare)),
+        ["--board", name, "--record"] | ["--record", "--board", name] => {
+            Some((Some(Board::named(name)?), Sizes::Record))
+        }
         _ => None,
     }
 }
