@@ -10,7 +10,7 @@ const GAIN_MIN: f32 = 0.3;
 const GAIN_MAX: f32 = 3.0;
 
 /// Doubt about a gain, as a factor either way: before any effect was seen, and once it was seen often.
-const DOUBT_FIRST: f32 = 3.0;
+const DOUBT_FIRST: f32 = 2.2;
 const DOUBT_LEAST: f32 = 1.4;
 
 /// Number of effects after which the doubt is least; smallest effect that counts, Pa; share of an innovation that a gain takes, before and after.
@@ -62,13 +62,14 @@ const MISSING_PA_PER_S: f32 = 0.8e3;
 const CREEP: f32 = 0.15;
 const CREEP_S: [f32; 2] = [1.5, 10.0];
 
-/// Share of the effect of a pulse by which the pressure comes back while the air takes the temperature of the wall, at most: without loss of heat a
-/// pulse has `1 - 1/1.4` more effect than in the end, a third of the effect by an exponent of 1.2. Shortest time for it, s.
-const HEAT: f32 = 0.33;
+/// Share of a measured change by which the pressure comes back while the air takes the temperature of the wall, at most: `1 - 1/1.4` where none of
+/// the heat was lost before; vented air warms up while its chamber shrinks. Shortest time for it, s.
+const COOLING: f32 = 0.29;
+const WARMING: f32 = 0.33;
 const HEAT_S: f32 = 0.1;
 
 /// Unexplained pressure that is a fault, Pa. Creeping walls and cooling air lower the pressure of a sound chamber; nothing raises it.
-const EXCESS_PA: f32 = 2.2e3;
+const EXCESS_PA: f32 = 3.0e3;
 const MISSING_PA: f32 = 3.5e3;
 
 /// Unexplained pressure that may be noise, Pa: no due change is spent on it.
@@ -192,13 +193,11 @@ impl AirBalance {
             let most_pa = fill.most(chamber_doubt) * self.filled_pa - vent.least(chamber_doubt) * self.vented_pa;
             let least_pa = fill.least(chamber_doubt) * self.filled_pa - vent.most(chamber_doubt) * self.vented_pa;
             let before = self.unexplained;
-            // A share of the real effect comes back: of the measured change, within the bounds of the gain.
-            let fallen_pa = (-risen_pa).max(vent.least(chamber_doubt) * self.vented_pa);
-            let fallen_pa = fallen_pa.min(vent.most(chamber_doubt) * self.vented_pa);
-            let filled_pa = risen_pa.max(fill.least(chamber_doubt) * self.filled_pa);
-            let filled_pa = filled_pa.min(fill.most(chamber_doubt) * self.filled_pa);
+            // A share of the real effect comes back: of the measured change, which is no more than the valve explains. A valve without effect has none.
+            let fallen_pa = (-risen_pa).max(0.0).min(vent.most(chamber_doubt) * self.vented_pa);
+            let filled_pa = risen_pa.max(0.0).min(fill.most(chamber_doubt) * self.filled_pa);
             let (mut warming_pa, mut cooling_pa) =
-                (before.warming_pa + HEAT * fallen_pa, before.cooling_pa + HEAT * filled_pa);
+                (before.warming_pa + WARMING * fallen_pa, before.cooling_pa + COOLING * filled_pa);
             let mut creep_pa = (before.creep_pa + CREEP * risen_pa).max(0.0);
             let excess_pa = risen_pa - most_pa - EXCESS_PA_PER_S * time_s - doubt_pa;
             let missing_pa = least_pa - risen_pa - MISSING_PA_PER_S * time_s - doubt_pa;

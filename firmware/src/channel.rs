@@ -123,14 +123,18 @@ impl Channel {
         self.sensor.sample(&context.system.sensor, code);
     }
 
-    /// Averages the zero; `Some` with the mean offset in Pa when it is known, and it is set if it is small enough.
-    pub(crate) fn check_zero(&mut self, system: &SystemConfig) -> Option<Result<f32, f32>> {
-        let offset_pa = self.zero.add(self.sensor.raw_pa())?;
-        if offset_pa.abs() > system.sensor.zero_limit_pa() {
-            return Some(Err(offset_pa));
+    /// Averages the reading of a vented chamber; `Some` with the mean, Pa, when it is known. It is an error where it is too far off: from nothing
+    /// where the zero is `taken`, which is then set, else below the zero. Above it, air may be left in the chamber.
+    pub(crate) fn check_zero(&mut self, system: &SystemConfig, taken: bool) -> Option<Result<f32, f32>> {
+        let mean_pa = self.zero.add(self.sensor.raw_pa())?;
+        let off_pa = if taken { mean_pa.abs() } else { self.sensor.zero_pa() - mean_pa };
+        if off_pa > system.sensor.zero_limit_pa() {
+            return Some(Err(mean_pa));
         }
-        self.sensor.set_zero(offset_pa);
-        Some(Ok(offset_pa))
+        if taken {
+            self.sensor.set_zero(mean_pa);
+        }
+        Some(Ok(mean_pa))
     }
 
     /// The pressure, Pa, once two samples in a row exceed the limit.
@@ -203,6 +207,7 @@ impl Channel {
     pub(crate) fn restart(&mut self, now_us: u64) {
         self.rest(now_us, ValvePulse::CLOSED);
         self.relief = Relief::new();
+        self.zero = ZeroCheck::new();
         self.requested = None;
     }
 

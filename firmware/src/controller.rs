@@ -13,7 +13,7 @@ use crate::outbox::Outbox;
 use crate::queue::KnotQueue;
 use crate::safety::{Lasting, TickWatch};
 use crate::sampling::Sampling;
-use crate::sensor::{AdcCode, Sensor};
+use crate::sensor::{AdcCode, Sensor, Zeros};
 use crate::valve::ValvePulse;
 
 /// Part of the supply's range over which the pump slows down to stop at its upper end.
@@ -87,7 +87,7 @@ pub struct Controller<const N: usize = MAX_CHANNELS> {
     pub(crate) staged: StagedConfig<N>,
     /// As many as the configuration has.
     pub(crate) channels: Vec<Channel, N>,
-    pub(crate) zeroed: bool,
+    pub(crate) zeros: Zeros,
     pub(crate) supply: Sensor,
     pub(crate) queue: KnotQueue<N>,
     pub(crate) start_us: Option<u64>,
@@ -124,7 +124,7 @@ impl<const N: usize> Controller<N> {
             config: None,
             staged: StagedConfig::new(),
             channels: Vec::new(),
-            zeroed: false,
+            zeros: Zeros::Unknown,
             supply: Sensor::new(),
             queue: KnotQueue::new(),
             start_us: None,

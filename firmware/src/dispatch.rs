@@ -9,6 +9,7 @@ use crate::channel::Channel;
 use crate::config::{ActiveConfig, ConfigError, StagingError, number};
 use crate::controller::Controller;
 use crate::queue::KNOTS;
+use crate::sensor::Zeros;
 use crate::state::Event;
 use crate::valve::TICK_US;
 
@@ -165,11 +166,11 @@ impl<const N: usize> Controller<N> {
         let same_sensors = before == self.config.as_ref().map(sensors);
         if !same_sensors {
             self.channels.clear();
+            self.zeros = Zeros::Unknown;
         }
         self.channels.iter_mut().for_each(Channel::reconfigure);
         let count = self.config.as_ref().map_or(0, |config| config.channels.len());
         while self.channels.len() < count && self.channels.push(Channel::new()).is_ok() {}
-        self.zeroed &= same_sensors;
         self.telemetry_due_us = now_us;
         self.staged.forget();
         self.start_us = None;

@@ -7,6 +7,7 @@ use softlimb_protocol::{DeviceState, FaultCode, ManualPulse, Outputs, PulseDirec
 use crate::config::number;
 use crate::controller::Controller;
 use crate::dispatch::{Answer, OK, WRONG_STATE};
+use crate::sensor::Zeros;
 use crate::state::Event;
 use crate::valve::Direction;
 
@@ -71,7 +72,7 @@ impl<const N: usize> Controller<N> {
         if self.channels.iter().any(|channel| channel.sensor().raw_pa().abs() > limit_pa) {
             return (ResultCode::WrongState, u32::from(FaultCode::SensorImplausible as u8));
         }
-        self.zeroed = false;
+        self.zeros = Zeros::Unknown;
         self.apply(now_us, Event::Zero);
         OK
     }

@@ -35,7 +35,7 @@ const STANDS_PA: f32 = 1_000.0;
 
 /// Filling after which the reading has to have risen, beyond that which creep and cooling air take, Pa; share of it that is an effect; and share
 /// below which there is none.
-const FILLED_PA: f32 = 15_000.0;
+const FILLED_PA: f32 = 10_000.0;
 const EFFECT: f32 = 0.25;
 const NO_EFFECT: f32 = 0.1;
 

@@ -10,7 +10,7 @@ const DEBOUNCE_SAMPLES: u8 = 3;
 /// Samples averaged for the zero.
 const ZERO_SAMPLES: u16 = 32;
 
-/// Largest zero offset that is calibrated away, share of the sensor's span.
+/// Largest zero offset that is calibrated away, and largest fall below a zero: share of the sensor's span.
 const ZERO_LIMIT: f32 = 0.03;
 
 /// Transfer function of a ratiometric sensor (ASDX class): 10 % of full scale at `min_pa`, 90 % at `max_pa`.
@@ -38,7 +38,7 @@ impl SensorScale {
         (0.025..=0.975).contains(&self.share(code))
     }
 
-    /// Largest zero offset that calibration may take away, Pa.
+    /// Largest zero offset that calibration may take away, and largest fall below a zero, Pa.
     pub fn zero_limit_pa(&self) -> f32 {
         ZERO_LIMIT * self.span_pa
     }
@@ -103,6 +103,11 @@ impl Sensor {
         !self.plausible
     }
 
+    /// The offset that is subtracted, Pa.
+    pub fn zero_pa(&self) -> f32 {
+        self.zero_pa
+    }
+
     /// Sets the offset that is subtracted from now on, Pa.
     pub fn set_zero(&mut self, zero_pa: f32) {
         self.zero_pa = zero_pa;
@@ -113,6 +118,17 @@ impl Default for Sensor {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// What is known of the channels' zeros.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Zeros {
+    /// Nothing: they are taken.
+    Unknown,
+    /// They were taken, and the chambers were vented since: readings are compared with them.
+    Stored,
+    /// They hold.
+    Checked,
 }
 
 /// Mean of one sensor's samples while its chamber is open to the atmosphere or at rest.

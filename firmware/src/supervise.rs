@@ -7,6 +7,7 @@ use crate::controller::{Controller, TickInputs};
 use crate::faults::{Occurrence, VentScope, reaction};
 use crate::observer;
 use crate::safety::{SUPPLY_HIGH_TICKS, SUPPLY_LOW_TICKS};
+use crate::sensor::Zeros;
 use crate::state::{Event, next};
 
 impl<const N: usize> Controller<N> {
@@ -41,6 +42,9 @@ impl<const N: usize> Controller<N> {
         self.start_us = None;
         self.is_by_hand = false;
         self.vent_at_once = false;
+        if event == Event::Vented && self.zeros == Zeros::Checked {
+            self.zeros = Zeros::Stored;
+        }
         self.channels.iter_mut().for_each(|channel| channel.restart(now_us));
         true
     }
@@ -232,7 +236,7 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// From idle to ready once all sensors are plausible and zeroed.
+    /// From idle to ready once all sensors are plausible and their zeros hold.
     fn watch_readiness(&mut self, now_us: u64) {
         if self.state != DeviceState::Idle || self.config.is_none() {
             return;
@@ -240,18 +244,19 @@ impl<const N: usize> Controller<N> {
         if self.supply.is_implausible() || self.any_sensor_implausible() {
             return;
         }
-        if !self.zeroed {
+        if self.zeros != Zeros::Checked {
             self.check_zeros(now_us);
         }
-        if self.zeroed && !self.stop_pressed {
+        if self.zeros == Zeros::Checked && !self.stop_pressed {
             self.apply(now_us, Event::SensorsReady);
         }
     }
 
     fn check_zeros(&mut self, now_us: u64) {
         let Some(config) = &self.config else { return };
-        let mut checks =
-            self.channels.iter_mut().zip(&config.channels).map(|(channel, _)| channel.check_zero(&config.system));
+        let taken = self.zeros == Zeros::Unknown;
+        let channels = self.channels.iter_mut().zip(&config.channels);
+        let mut checks = channels.map(|(channel, _)| channel.check_zero(&config.system, taken));
         // All channels have taken the same number of samples, so all means come in the same tick.
         let mut worst = None;
         let mut finished = false;
@@ -267,7 +272,8 @@ impl<const N: usize> Controller<N> {
                 let code = FaultCode::SensorImplausible;
                 self.faults.raise(Occurrence { time_us: now_us, code, channel, value });
             }
-            None => self.zeroed = finished,
+            None if finished => self.zeros = Zeros::Checked,
+            None => {}
         }
     }
 }

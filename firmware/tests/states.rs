@@ -250,3 +250,33 @@ fn commands_that_the_table_does_not_know_are_refused() {
     let ack = running.request(&unknown.into());
     assert_eq!((ack.result.known(), ack.detail), (Some(ResultCode::UnknownCode), 1));
 }
+
+#[test]
+fn sensor_that_has_drifted_is_found_when_the_chambers_were_vented() {
+    for (drift_pa, is_found) in [(5e3, false), (-5e3, false), (7e3, false), (-7e3, true)] {
+        let mut bench = Bench::new();
+        bench.hello();
+        bench.pressure_pa[0] = 2e3;
+        bench.configure(&system(), &crate::common::channels(&PRESSURE));
+        bench.ticks_until(DeviceState::Ready, 100);
+        assert_eq!(bench.command(CommandCode::Vent).result, ResultCode::Ok);
+        bench.pressure_pa[0] = 2e3 + drift_pa;
+        // An offset that reads as a pressure keeps the vents open for their longest time.
+        bench.ticks_until(DeviceState::Idle, 9_000);
+        bench.ticks(100);
+        let expected = if is_found { DeviceState::Idle } else { DeviceState::Ready };
+        assert_eq!(bench.controller.state(), expected, "{drift_pa} Pa");
+        let told = bench.told_faults();
+        assert_eq!(told.contains(&(FaultCode::SensorImplausible, 0)), is_found, "{drift_pa} Pa: {told:?}");
+        // The zero stays that of the empty chamber: it does not follow the drift.
+        let pressure_pa = bench.controller.channel(0).unwrap().pressure_pa();
+        assert!((f64::from(pressure_pa) - drift_pa).abs() < 70.0, "{drift_pa} Pa: {pressure_pa}");
+        if is_found {
+            assert_eq!(bench.command(CommandCode::ClearFaults).result, ResultCode::Ok);
+            bench.ticks(100);
+            assert_eq!(bench.command(CommandCode::Start).result, ResultCode::WrongState, "still off");
+            bench.pressure_pa[0] = 2e3;
+            bench.ticks_until(DeviceState::Ready, 100);
+        }
+    }
+}

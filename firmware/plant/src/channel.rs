@@ -119,7 +119,7 @@ impl Channel {
             self.flow(next - now, supply_abs_pa);
             now = next;
         }
-        self.peak_pa = self.peak_pa.max(self.gas.chamber_abs_pa - self.piping.ambient_abs_pa);
+        self.peak_pa = self.peak_pa.max(self.chamber_pa());
         self.creep();
         self.sensor.drift(self.broken.sensor_drift_pa_per_s * TICK_S);
         self.gas.filled_kg - drawn_before
@@ -172,6 +172,11 @@ impl Channel {
     /// Highest gauge pressure of the chamber at the end of a tick so far, Pa.
     pub(crate) fn peak_pa(&self) -> f64 {
         self.peak_pa
+    }
+
+    /// Gauge pressure in the actuator, Pa.
+    pub(crate) fn chamber_pa(&self) -> f64 {
+        self.gas.chamber_abs_pa - self.piping.ambient_abs_pa
     }
 
     /// The changing part of the true state.

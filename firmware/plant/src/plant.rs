@@ -212,6 +212,11 @@ impl Plant {
         self.channels.iter().map(Channel::peak_pa).collect()
     }
 
+    /// True gauge pressure of each chamber now, Pa: that of [`truth`](Self::truth), without its shapes.
+    pub fn chamber_pa(&self) -> impl Iterator<Item = f64> {
+        self.channels.iter().map(Channel::chamber_pa)
+    }
+
     /// Repairs every part of a channel.
     ///
     /// # Errors

@@ -295,6 +295,11 @@ impl<P: Processor> SimulatedMcu<P> {
         self.board.plant.peak_chamber_pa()
     }
 
+    /// True gauge pressure of each chamber at [`device_time_us`](Self::device_time_us), Pa.
+    pub fn chamber_pa(&self) -> impl Iterator<Item = f64> {
+        self.board.plant.chamber_pa()
+    }
+
     /// Breaks a part of the plant from the next tick on.
     ///
     /// # Errors
