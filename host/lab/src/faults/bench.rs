@@ -15,7 +15,8 @@ pub(crate) const VOLUMES_M3: [f64; CHANNELS] = [30e-6, 80e-6, 150e-6];
 pub(crate) const CHANNELS: usize = 3;
 
 pub(crate) const KNOT_US: u64 = 20_000;
-const END_S: f64 = 9.0;
+/// End: at a turning point of the sine, so that what is held then does not hang on the last pulse, s.
+const END_S: f64 = 8.66;
 
 const INNER_M: f64 = 15e-3;
 const OUTER_M: f64 = 20e-3;

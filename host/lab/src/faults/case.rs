@@ -1,15 +1,21 @@
 //! One case, from the plant of its seed to a verdict.
 
-use softlimb_protocol::{FaultCode, SYSTEM_CHANNEL};
+use softlimb_protocol::{DeviceState, FaultCode, SYSTEM_CHANNEL};
 use softlimb_rig::link::{Event, StreamOptions, Transport, stream};
 
 use super::bench::{CHANNELS, configuration, knots, settings};
-use super::rows::Row;
+use super::rows::{Deadline, Row};
 use super::session::Session;
+use super::trace::Trace;
 use super::{EXCESS_PA, LIMIT_PA, PHASES};
 
-/// Time after the session in which the device acts by itself, us.
-const AFTERMATH_US: u64 = 3_000_000;
+/// Time after the session in which the device acts by itself, us: until a fault has shown what it does, or until a sound limb is empty and its
+/// zeros are compared.
+const FAULTED_US: u64 = 3_000_000;
+const VENTED_US: u64 = 15_000_000;
+
+/// Portion of it, us.
+const PORTION_US: u64 = 100_000;
 
 /// A row in one phase, on one channel, with one plant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +54,10 @@ pub struct Outcome {
     pub verdict: Verdict,
     /// The first report: code, and time after the fault or after the start where that is later, s.
     pub told: Option<(FaultCode, f64)>,
+    /// Time of the first effect on a true pressure, counted as that of the report, s.
+    pub effect_s: Option<f64>,
+    /// Whether the report is in time where the deadline counts from the fault itself.
+    pub prompt: bool,
     /// Highest true pressure of all chambers, Pa.
     pub peak_pa: f64,
 }
@@ -59,30 +69,34 @@ impl Case {
         PHASES[self.phase].0
     }
 
-    /// Runs the case.
+    /// Runs the case beside the pressures of the sound plant of its seed.
     #[must_use]
-    pub fn run(&self) -> Outcome {
+    pub fn run(&self, sound: &Trace) -> Outcome {
         let mut session = Session::new(&settings(self.seed), self.row.faults, self.channel, PHASES[self.phase].1);
         let mut is_false = false;
-        let (configuration, knots) = (configuration(), knots());
-        // Most runs of the matrix do not end well: only what the device does is judged.
-        let _ = stream(&mut session, &configuration, &knots, &StreamOptions::new(7), |session, event| match event {
-            Event::Armed { start_us, .. } => session.start_us = Some(start_us),
-            Event::Fault { message, .. } => is_false |= session.broken_us.is_none() || !self.concerns(message.channel),
-            _ => {}
-        });
-        let end_us = session.now_us() + AFTERMATH_US;
-        while session.now_us() < end_us {
-            session.wait_until(end_us);
-            // Bytes that nobody reads would end each wait.
-            session.receive(&mut Vec::new()).expect("a simulated line");
-        }
+        run(&mut session, |is_broken, channel| is_false |= !is_broken || !self.concerns(channel));
         let since_us = session.broken_us.max(session.start_us);
         let mut latched = session.latched.iter().filter(|(code, _)| *code != FaultCode::SetpointsExhausted);
         let told = latched.find_map(|(code, at_us)| Some((*code, (*at_us as f64 - since_us? as f64) * 1e-6)));
+        let effect_us = since_us.and_then(|since_us| session.trace.departs_us(sound, since_us));
+        let since_s = |time_us: Option<u64>| Some((time_us? as f64 - since_us? as f64) * 1e-6);
+        let (effect_s, vented_s) = (since_s(effect_us), since_s(session.vented_us));
         let peak_pa = session.peak_pa();
         is_false |= session.broken_us.is_none();
-        Outcome { verdict: self.verdict(told, peak_pa, is_false), told, peak_pa }
+        let verdict = |deadline_s: Option<f64>| self.verdict(told, deadline_s, peak_pa, is_false);
+        // Once the air is let out, a report of what it did is of no use to anybody.
+        let is_due = |deadline_s: &f64| told.is_some() || vented_s.is_none_or(|vented_s| *deadline_s < vented_s);
+        let (deadline_s, prompt_s) = match self.row.deadline {
+            Deadline::Fault(ms) => (Some(seconds(ms)), Some(seconds(ms))),
+            Deadline::Effect(ms) => (effect_s.map(|effect_s| effect_s + seconds(ms)).filter(is_due), Some(seconds(ms))),
+            Deadline::Zero => {
+                let deadline_s = (session.deviation_pa().abs() > ZERO_PA).then_some(f64::INFINITY);
+                (deadline_s, deadline_s)
+            }
+            Deadline::Never => (None, None),
+        };
+        let prompt = verdict(prompt_s) == Verdict::Passed;
+        Outcome { verdict: verdict(deadline_s), told, effect_s, prompt, peak_pa }
     }
 
     /// Whether a fault of a channel may come of this case.
@@ -93,16 +107,62 @@ impl Case {
         channel == SYSTEM_CHANNEL || is_near || self.row.channels().len() == 1
     }
 
-    fn verdict(&self, told: Option<(FaultCode, f64)>, peak_pa: f64, is_false: bool) -> Verdict {
-        let deadline_s = f64::from(self.row.deadline_ms) * 1e-3;
+    /// Verdict with a deadline, s; without one no report is needed.
+    fn verdict(
+        &self,
+        told: Option<(FaultCode, f64)>,
+        deadline_s: Option<f64>,
+        peak_pa: f64,
+        is_false: bool,
+    ) -> Verdict {
         match told {
             _ if peak_pa > LIMIT_PA + EXCESS_PA => Verdict::Peak,
             _ if is_false => Verdict::False,
-            _ if self.row.codes.is_empty() => Verdict::Passed,
+            _ if self.row.deadline == Deadline::Never => Verdict::Passed,
+            None if deadline_s.is_none() => Verdict::Passed,
             None => Verdict::Unnoticed,
             Some((code, _)) if !self.row.codes.contains(&code) => Verdict::Misnamed,
-            Some((_, after_s)) if after_s > deadline_s => Verdict::Late,
+            Some((_, after_s)) if deadline_s.is_some_and(|deadline_s| after_s > deadline_s) => Verdict::Late,
             Some(_) => Verdict::Passed,
+        }
+    }
+}
+
+/// Deviation of a reading that the comparison with its zero has to find, Pa: 3 % of the sensors' range and their noise.
+const ZERO_PA: f64 = 0.03 * 206_843.0 + 200.0;
+
+fn seconds(ms: u32) -> f64 {
+    f64::from(ms) * 1e-3
+}
+
+/// Pressures of the sound plant of a seed.
+#[must_use]
+pub(super) fn sound(seed: u64) -> Trace {
+    let mut session = Session::new(&settings(seed), &[], 0, 0.0);
+    run(&mut session, |_, _| {});
+    session.trace
+}
+
+/// A whole session. Each fault that the host hears of is handed on: whether a part was broken by then, and the channel.
+fn run(session: &mut Session, mut fault: impl FnMut(bool, u8)) {
+    // Most runs of the matrix do not end well: only what the device does is judged.
+    let _ = stream(session, &configuration(), &knots(), &StreamOptions::new(7), |session, event| match event {
+        Event::Armed { start_us, .. } => session.start_us = Some(start_us),
+        Event::Fault { message, .. } => fault(session.broken_us.is_some(), message.channel),
+        _ => {}
+    });
+    let from_us = session.now_us();
+    let is_over = |session: &Session| match session.state() {
+        DeviceState::Ready => true,
+        DeviceState::Faulted => session.now_us() >= from_us + FAULTED_US,
+        _ => session.now_us() >= from_us + VENTED_US,
+    };
+    while !is_over(session) {
+        let portion_us = session.now_us() + PORTION_US;
+        while session.now_us() < portion_us {
+            session.wait_until(portion_us);
+            // Bytes that nobody reads would end each wait.
+            session.receive(&mut Vec::new()).expect("a simulated line");
         }
     }
 }

@@ -7,13 +7,16 @@ mod command;
 mod rows;
 mod session;
 mod table;
+mod trace;
 
 pub use case::{Case, Outcome, Verdict};
-pub use rows::{Row, rows};
+pub use rows::{Deadline, Row, rows};
 pub use table::{HEADING, Line, PLACE, lines, page, parse};
+pub use trace::{EFFECT_PA, Trace};
 
 pub(crate) use command::Faults;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZero;
 use std::thread;
 
@@ -41,10 +44,13 @@ pub fn cases() -> Vec<Case> {
 /// Runs cases side by side; the outcomes are in their order.
 #[must_use]
 pub fn run(cases: &[Case]) -> Vec<(Case, Outcome)> {
+    let seeds = cases.iter().map(|case| case.seed).collect::<BTreeSet<_>>();
+    let sound: BTreeMap<_, _> = seeds.into_iter().map(|seed| (seed, case::sound(seed))).collect();
     let threads = thread::available_parallelism().map_or(1, NonZero::get);
     let share = cases.len().div_ceil(threads).max(1);
+    let run = |cases: &[Case]| cases.iter().map(|case| (*case, case.run(&sound[&case.seed]))).collect::<Vec<_>>();
+    let run = &run;
     thread::scope(|scope| {
-        let run = |cases: &[Case]| cases.iter().map(|case| (*case, case.run())).collect::<Vec<_>>();
         let parts: Vec<_> = cases.chunks(share).map(|part| scope.spawn(move || run(part))).collect();
         parts.into_iter().flat_map(|part| part.join().expect("a case of the matrix")).collect()
     })

@@ -2,12 +2,13 @@
 
 use std::io;
 
-use softlimb_protocol::{Code, FaultCode};
+use softlimb_protocol::{Code, DeviceState, FaultCode};
 use softlimb_rig::link::Transport;
 use softlimb_sim::plant::PlantError;
 use softlimb_sim::{Here, SimSettings, SimulatedMcu, here};
 
 use super::rows::Fault;
+use super::trace::Trace;
 
 /// Stall of the host, us.
 const STALL_US: u64 = 600_000;
@@ -28,6 +29,9 @@ pub(super) struct Session {
     seen: u16,
     /// Codes with the device time at which the controller latched them, us.
     pub(super) latched: Vec<(FaultCode, u64)>,
+    pub(super) trace: Trace,
+    /// Device time at which a device without a fault begins to let its air out, us.
+    pub(super) vented_us: Option<u64>,
 }
 
 impl Session {
@@ -44,6 +48,8 @@ impl Session {
             stalled_until_us: 0,
             seen: 0,
             latched: Vec::new(),
+            trace: Trace::default(),
+            vented_us: None,
         }
     }
 
@@ -53,14 +59,29 @@ impl Session {
         self.mcu.peak_chamber_pa().into_iter().fold(0.0, f64::max)
     }
 
+    /// Reading of the channel beyond its true pressure, Pa.
+    pub(super) fn deviation_pa(&self) -> f64 {
+        let reading_pa = self.mcu.controller().channel(self.channel).map_or(0.0, |channel| channel.pressure_pa());
+        f64::from(reading_pa) - self.mcu.chamber_pa().nth(self.channel).unwrap_or_default()
+    }
+
+    /// State of the device.
+    pub(super) fn state(&self) -> DeviceState {
+        self.mcu.controller().state()
+    }
+
     fn step(&mut self, until_us: u64) {
         let tick_us = self.mcu.next_tick_us().max(self.mcu.now_us() + 1);
         self.mcu.advance_to(tick_us.min(until_us.max(self.mcu.now_us() + 1)));
         let now_us = self.mcu.device_time_us();
+        self.trace.push(now_us, self.mcu.chamber_pa());
         let is_due = |start_us: u64| now_us as i64 >= start_us as i64 + self.at_us;
         if self.broken_us.is_none() && self.start_us.is_some_and(is_due) {
             self.broken_us = Some(now_us);
             self.faults.iter().for_each(|fault| self.inject(fault));
+        }
+        if self.state() == DeviceState::Venting {
+            self.vented_us.get_or_insert(now_us);
         }
         let bits = self.mcu.controller().faults().bits();
         let codes = (1..=16).filter_map(|number| Code::<FaultCode>::from_raw(number).known());

@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::{Case, LIMIT_PA, Outcome, PHASES, Verdict, rows};
+use super::{Case, Deadline, LIMIT_PA, Outcome, PHASES, Verdict, rows};
 
 /// First line of the file.
-pub const HEADING: &str = "fault\tphase\tcases\tpassed\tpeak\tfalse\tmisnamed\tunnoticed\tlate\ttold\tslowest ms\tdeadline ms\tpeak kPa over limit\n";
+pub const HEADING: &str = "fault\tphase\tcases\tpassed\tpeak\tfalse\tmisnamed\tunnoticed\tlate\tfrom the fault\ttold\tafter fault ms\tafter effect ms\tdeadline ms\tpeak kPa over limit\n";
 
 /// Place of the table in its page.
 pub const PLACE: [&str; 2] = ["<!-- written by cargo xtask lab faults -->", "<!-- end of what is written -->"];
@@ -21,12 +21,16 @@ pub struct Line {
     pub phase: String,
     /// Cases by verdict: all, passed, and the others from the worst on.
     pub cases: [usize; 7],
+    /// Cases that pass where the deadline counts from the fault itself.
+    pub prompt: usize,
     /// Codes that were told first.
     pub told: String,
-    /// Longest time until then, ms.
+    /// Longest time from the fault until then, ms.
     pub slowest_ms: Option<i64>,
-    /// Deadline, ms.
-    pub deadline_ms: Option<i64>,
+    /// Longest time from the first effect on a true pressure, ms; negative where the report came first.
+    pub effect_ms: Option<i64>,
+    /// Deadline, ms; `zero` where the report is due when zeros are compared, `-` where none is.
+    pub deadline: String,
     /// Highest true pressure of all cases above the limit, kPa.
     pub over_kpa: f64,
 }
@@ -48,14 +52,23 @@ fn line(outcomes: &[(Case, Outcome)]) -> Line {
     told.sort();
     told.dedup();
     let times = outcomes.iter().filter_map(|(_, outcome)| Some((1e3 * outcome.told?.1).round() as i64));
+    let of_effect = |(_, outcome): &(Case, Outcome)| Some(1e3 * (outcome.told?.1 - outcome.effect_s?));
+    let effects = outcomes.iter().filter_map(of_effect).map(|time_ms| time_ms.round() as i64);
     let highest_pa = outcomes.iter().map(|(_, outcome)| outcome.peak_pa).fold(0.0, f64::max);
     Line {
         fault: case.row.name.to_owned(),
         phase: PHASES[case.phase].0.to_owned(),
         cases: [outcomes.len(), count(Verdict::Passed), peak, wrong, misnamed, unnoticed, late],
+        prompt: outcomes.iter().filter(|(_, outcome)| outcome.prompt).count(),
         told: if told.is_empty() { "-".to_owned() } else { told.join(",") },
         slowest_ms: times.max(),
-        deadline_ms: (!case.row.codes.is_empty()).then_some(i64::from(case.row.deadline_ms)),
+        effect_ms: effects.max(),
+        deadline: match case.row.deadline {
+            Deadline::Fault(ms) => format!("{ms} from the fault"),
+            Deadline::Effect(ms) => ms.to_string(),
+            Deadline::Zero => "zero".to_owned(),
+            Deadline::Never => "-".to_owned(),
+        },
         over_kpa: ((highest_pa - LIMIT_PA) * 1e-2).round() / 10.0,
     }
 }
@@ -65,9 +78,10 @@ impl Line {
     #[must_use]
     pub fn tsv(&self) -> String {
         let cases: Vec<String> = self.cases.iter().map(ToString::to_string).collect();
-        let [slowest, deadline] = [self.slowest_ms, self.deadline_ms].map(or_dash);
-        let Self { fault, phase, told, over_kpa, .. } = self;
-        format!("{fault}\t{phase}\t{}\t{told}\t{slowest}\t{deadline}\t{over_kpa:.1}\n", cases.join("\t"))
+        let [slowest, effect] = [self.slowest_ms, self.effect_ms].map(or_dash);
+        let Self { fault, phase, prompt, told, deadline, over_kpa, .. } = self;
+        let cases = cases.join("\t");
+        format!("{fault}\t{phase}\t{cases}\t{prompt}\t{told}\t{slowest}\t{effect}\t{deadline}\t{over_kpa:.1}\n")
     }
 }
 
@@ -87,14 +101,16 @@ fn parse_line(text: &str) -> Option<Line> {
     for (place, cell) in cases.iter_mut().zip(cells.get(2..9)?) {
         *place = cell.parse().ok()?;
     }
-    let [told, slowest, deadline, over] = cells.get(9..)?.try_into().ok()?;
+    let [prompt, told, slowest, effect, deadline, over] = cells.get(9..)?.try_into().ok()?;
     Some(Line {
         fault: cells[0].to_owned(),
         phase: cells[1].to_owned(),
         cases,
+        prompt: prompt.parse().ok()?,
         told: told.to_owned(),
         slowest_ms: slowest.parse().ok(),
-        deadline_ms: deadline.parse().ok(),
+        effect_ms: effect.parse().ok(),
+        deadline: deadline.to_owned(),
         over_kpa: over.parse().ok()?,
     })
 }
@@ -104,7 +120,7 @@ fn parse_line(text: &str) -> Option<Line> {
 pub fn page(lines: &[Line]) -> String {
     let phases = PHASES.map(|(name, _)| name).join(" | ");
     let mut text = format!(
-        "\n| fault | {phases} | told | slowest / deadline, ms | peak over limit, kPa | why not all |\n| --- |{} --- | --: | --: | --- |\n",
+        "\n| fault | {phases} | told | after the fault, ms | after its effect, ms | deadline, ms | peak over limit, kPa | why not all |\n| --- |{} --- | --: | --: | --: | --: | --- |\n",
         " --: |".repeat(PHASES.len())
     );
     for of_fault in lines.chunk_by(|a, b| a.fault == b.fault) {
@@ -114,21 +130,26 @@ pub fn page(lines: &[Line]) -> String {
         told.sort_unstable();
         told.dedup();
         let slowest = or_dash(of_fault.iter().filter_map(|line| line.slowest_ms).max());
-        let deadline = or_dash(of_fault[0].deadline_ms);
+        let effect = or_dash(of_fault.iter().filter_map(|line| line.effect_ms).max());
+        let deadline = &of_fault[0].deadline;
         let over_kpa = of_fault.iter().map(|line| line.over_kpa).fold(f64::MIN, f64::max);
         let is_whole = of_fault.iter().all(|line| line.cases[0] == line.cases[1]);
         let fault = &of_fault[0].fault;
         let reason = rows().iter().find(|row| row.name == *fault).map_or("", |row| row.reason);
         let (cells, told, why) = (cells.join(" | "), told.join(", "), if is_whole { "" } else { reason });
-        let _ = writeln!(text, "| {fault} | {cells} | {told} | {slowest} / {deadline} | {over_kpa:.1} | {why} |");
+        let _ = writeln!(
+            text,
+            "| {fault} | {cells} | {told} | {slowest} | {effect} | {deadline} | {over_kpa:.1} | {why} |"
+        );
     }
     let sum = |index: usize| lines.iter().map(|line| line.cases[index]).sum::<usize>();
     let [all, passed, peak, wrong] = [sum(0), sum(1), sum(2), sum(3)];
     let [misnamed, unnoticed, late] = [sum(4), sum(5), sum(6)];
+    let prompt: usize = lines.iter().map(|line| line.prompt).sum();
     let _ = writeln!(
         text,
         "\n{passed} of {all} cases pass. {peak} exceed the limit by more than 12 kPa, {wrong} have a false fault, {misnamed} another name, {unnoticed} no report, \
-         {late} one after the deadline."
+         {late} one after the deadline.\n\nCounted from the fault itself, {prompt} of {all} have their report in time."
     );
     text
 }
