@@ -101,7 +101,7 @@ fn fault_decisions_of_a_log_are_made_again() {
     for (fault, told) in [
         ("sensor-frozen@0.7,0", "frozen pressure sensor"),
         ("sensor-zero@1,0", "fall of a reading without venting"),
-        ("supply-stuck-closed@0.5", "filling without effect"),
+        ("supply-stuck-closed@0.5", "less air than the valves explain"),
         ("fill-stuck-open@1,0", "more air than the valves explain"),
     ] {
         let folder = tempfile::tempdir().unwrap();
