@@ -78,7 +78,7 @@ pub fn boot_info(crash: Option<Crash>, flags: ResetFlags) -> BootInfo {
     BootInfo { cause, detail }
 }
 
-/// Why a device started whose image is not what was built: nothing that it does can be relied on, so that it takes part in nothing.
+/// Boot information of a device whose image is damaged. Such a device opens its vents and refuses to start.
 pub const DAMAGED: BootInfo = BootInfo { cause: BootCause::ImageDamaged, detail: 0 };
 
 #[cfg(test)]

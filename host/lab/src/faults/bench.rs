@@ -15,7 +15,7 @@ pub(crate) const VOLUMES_M3: [f64; CHANNELS] = [30e-6, 80e-6, 150e-6];
 pub(crate) const CHANNELS: usize = 3;
 
 pub(crate) const KNOT_US: u64 = 20_000;
-/// End: at a turning point of the sine, so that what is held then does not hang on the last pulse, s.
+/// End, s: a turning point of the sine. The reference stands still there, so the timing of the last pulse hardly changes the held pressure.
 const END_S: f64 = 8.66;
 
 const INNER_M: f64 = 15e-3;

@@ -9,8 +9,7 @@ use super::session::Session;
 use super::trace::Trace;
 use super::{EXCESS_PA, LIMIT_PA, PHASES};
 
-/// Time after the session in which the device acts by itself, us: until a fault has shown what it does, or until a sound limb is empty and its
-/// zeros are compared.
+/// Longest time after the session, us: of a device with a fault, and of one that vents and compares its zeros.
 const FAULTED_US: u64 = 3_000_000;
 const VENTED_US: u64 = 15_000_000;
 
@@ -56,6 +55,8 @@ pub struct Outcome {
     pub told: Option<(FaultCode, f64)>,
     /// Time of the first effect on a true pressure, counted as that of the report, s.
     pub effect_s: Option<f64>,
+    /// Whether a report was due. Without one, only a peak, a false or a wrong name fails the case.
+    pub due: bool,
     /// Whether the report is in time where the deadline counts from the fault itself.
     pub prompt: bool,
     /// Highest true pressure of all chambers, Pa.
@@ -84,19 +85,16 @@ impl Case {
         let peak_pa = session.peak_pa();
         is_false |= session.broken_us.is_none();
         let verdict = |deadline_s: Option<f64>| self.verdict(told, deadline_s, peak_pa, is_false);
-        // Once the air is let out, a report of what it did is of no use to anybody.
+        // Once the device has vented, a report comes too late to help.
         let is_due = |deadline_s: &f64| told.is_some() || vented_s.is_none_or(|vented_s| *deadline_s < vented_s);
         let (deadline_s, prompt_s) = match self.row.deadline {
             Deadline::Fault(ms) => (Some(seconds(ms)), Some(seconds(ms))),
             Deadline::Effect(ms) => (effect_s.map(|effect_s| effect_s + seconds(ms)).filter(is_due), Some(seconds(ms))),
-            Deadline::Zero => {
-                let deadline_s = (session.deviation_pa().abs() > ZERO_PA).then_some(f64::INFINITY);
-                (deadline_s, deadline_s)
-            }
+            Deadline::Zero => ((session.deviation_pa().abs() > ZERO_PA).then_some(f64::INFINITY), Some(DRIFT_S)),
             Deadline::Never => (None, None),
         };
         let prompt = verdict(prompt_s) == Verdict::Passed;
-        Outcome { verdict: verdict(deadline_s), told, effect_s, prompt, peak_pa }
+        Outcome { verdict: verdict(deadline_s), told, effect_s, due: deadline_s.is_some(), prompt, peak_pa }
     }
 
     /// Whether a fault of a channel may come of this case.
@@ -130,6 +128,9 @@ impl Case {
 
 /// Deviation of a reading that the comparison with its zero has to find, Pa: 3 % of the sensors' range and their noise.
 const ZERO_PA: f64 = 0.03 * 206_843.0 + 200.0;
+
+/// Deadline of a drift where it counts from the fault itself, s.
+const DRIFT_S: f64 = 5.0;
 
 fn seconds(ms: u32) -> f64 {
     f64::from(ms) * 1e-3

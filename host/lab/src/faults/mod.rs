@@ -12,7 +12,7 @@ mod trace;
 pub use case::{Case, Outcome, Verdict};
 pub use rows::{Deadline, Row, rows};
 pub use table::{HEADING, Line, PLACE, lines, page, parse};
-pub use trace::{EFFECT_PA, Trace};
+pub use trace::Trace;
 
 pub(crate) use command::Faults;
 

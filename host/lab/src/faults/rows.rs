@@ -78,8 +78,6 @@ const fn row(
 const ANY: &[FaultCode] =
     &[SensorFrozen, ReadingJumped, FillWithoutEffect, ExcessAir, MissingAir, OverPressure, SupplyLow];
 const DRIFT: &[FaultCode] = &[SensorImplausible, FillWithoutEffect, ReadingJumped, MissingAir];
-// A code that freezes while air flows in is that of too much air.
-const FROZEN: &[FaultCode] = &[SensorFrozen, ExcessAir];
 const AT_REST: &str = "named once the loop fills or vents again: a chamber at rest shows no effect";
 const NO_NAME: &str = "the loop compensates it, and takes too little air for it to tell";
 const FILLING: &str = "a large chamber still empties, slowly, as one does whose air warms up";
@@ -93,7 +91,7 @@ pub fn rows() -> [Row; 34] {
     use Fault::{Part, Reset, Silence, Stall, Stop};
     [
         row("sensor-open", &[Part(SensorOpen)], &[SensorImplausible], Deadline::Fault(10), ""),
-        row("sensor-frozen", &[Part(PartFault::SensorFrozen)], FROZEN, Effect(300), AT_REST),
+        row("sensor-frozen", &[Part(PartFault::SensorFrozen)], &[SensorFrozen], Effect(300), AT_REST),
         row(
             "sensor-zero",
             &[Part(SensorZero)],
@@ -132,7 +130,7 @@ pub fn rows() -> [Row; 34] {
         row(
             "frozen + link silent",
             &[Part(PartFault::SensorFrozen), Silence],
-            &[SensorFrozen, ExcessAir, LinkLost],
+            &[SensorFrozen, LinkLost],
             Deadline::Fault(300),
             "",
         ),

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::{Case, Deadline, LIMIT_PA, Outcome, PHASES, Verdict, rows};
 
 /// First line of the file.
-pub const HEADING: &str = "fault\tphase\tcases\tpassed\tpeak\tfalse\tmisnamed\tunnoticed\tlate\tfrom the fault\ttold\tafter fault ms\tafter effect ms\tdeadline ms\tpeak kPa over limit\n";
+pub const HEADING: &str = "fault\tphase\tcases\tpassed\tpeak\tfalse\tmisnamed\tunnoticed\tlate\tnot due\tfrom the fault\ttold\tafter fault ms\tafter effect ms\tdeadline ms\tpeak kPa over limit\n";
 
 /// Place of the table in its page.
 pub const PLACE: [&str; 2] = ["<!-- written by cargo xtask lab faults -->", "<!-- end of what is written -->"];
@@ -21,6 +21,8 @@ pub struct Line {
     pub phase: String,
     /// Cases by verdict: all, passed, and the others from the worst on.
     pub cases: [usize; 7],
+    /// Cases without a report that was due.
+    pub not_due: usize,
     /// Cases that pass where the deadline counts from the fault itself.
     pub prompt: usize,
     /// Codes that were told first.
@@ -59,6 +61,7 @@ fn line(outcomes: &[(Case, Outcome)]) -> Line {
         fault: case.row.name.to_owned(),
         phase: PHASES[case.phase].0.to_owned(),
         cases: [outcomes.len(), count(Verdict::Passed), peak, wrong, misnamed, unnoticed, late],
+        not_due: outcomes.iter().filter(|(_, outcome)| !outcome.due).count(),
         prompt: outcomes.iter().filter(|(_, outcome)| outcome.prompt).count(),
         told: if told.is_empty() { "-".to_owned() } else { told.join(",") },
         slowest_ms: times.max(),
@@ -79,9 +82,11 @@ impl Line {
     pub fn tsv(&self) -> String {
         let cases: Vec<String> = self.cases.iter().map(ToString::to_string).collect();
         let [slowest, effect] = [self.slowest_ms, self.effect_ms].map(or_dash);
-        let Self { fault, phase, prompt, told, deadline, over_kpa, .. } = self;
+        let Self { fault, phase, not_due, prompt, told, deadline, over_kpa, .. } = self;
         let cases = cases.join("\t");
-        format!("{fault}\t{phase}\t{cases}\t{prompt}\t{told}\t{slowest}\t{effect}\t{deadline}\t{over_kpa:.1}\n")
+        format!(
+            "{fault}\t{phase}\t{cases}\t{not_due}\t{prompt}\t{told}\t{slowest}\t{effect}\t{deadline}\t{over_kpa:.1}\n"
+        )
     }
 }
 
@@ -101,11 +106,12 @@ fn parse_line(text: &str) -> Option<Line> {
     for (place, cell) in cases.iter_mut().zip(cells.get(2..9)?) {
         *place = cell.parse().ok()?;
     }
-    let [prompt, told, slowest, effect, deadline, over] = cells.get(9..)?.try_into().ok()?;
+    let [not_due, prompt, told, slowest, effect, deadline, over] = cells.get(9..)?.try_into().ok()?;
     Some(Line {
         fault: cells[0].to_owned(),
         phase: cells[1].to_owned(),
         cases,
+        not_due: not_due.parse().ok()?,
         prompt: prompt.parse().ok()?,
         told: told.to_owned(),
         slowest_ms: slowest.parse().ok(),
@@ -145,11 +151,12 @@ pub fn page(lines: &[Line]) -> String {
     let sum = |index: usize| lines.iter().map(|line| line.cases[index]).sum::<usize>();
     let [all, passed, peak, wrong] = [sum(0), sum(1), sum(2), sum(3)];
     let [misnamed, unnoticed, late] = [sum(4), sum(5), sum(6)];
-    let prompt: usize = lines.iter().map(|line| line.prompt).sum();
+    let [not_due, prompt] =
+        [|line: &Line| line.not_due, |line: &Line| line.prompt].map(|of| lines.iter().map(of).sum::<usize>());
     let _ = writeln!(
         text,
         "\n{passed} of {all} cases pass. {peak} exceed the limit by more than 12 kPa, {wrong} have a false fault, {misnamed} another name, {unnoticed} no report, \
-         {late} one after the deadline.\n\nCounted from the fault itself, {prompt} of {all} have their report in time."
+         {late} one after the deadline. In {not_due} no report was due.\n\nCounted from the fault itself, {prompt} of {all} have their report in time."
     );
     text
 }

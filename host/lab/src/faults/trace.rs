@@ -3,7 +3,7 @@
 use super::bench::CHANNELS;
 
 /// Distance from the sound plant's pressures that is an effect, Pa.
-pub const EFFECT_PA: f64 = 3e3;
+const EFFECT_PA: f64 = 3e3;
 
 /// Time by which the sound plant's pressures may come earlier or later, us: two periods of the loop, whose pulses no two runs share.
 const NEAR_US: u64 = 40_000;
@@ -25,7 +25,7 @@ impl Trace {
         }
     }
 
-    /// First time from `from_us` on at which a pressure is [`EFFECT_PA`] outside those that the sound plant has about that time, us.
+    /// First time from `from_us` on at which a pressure is 3 kPa outside those that the sound plant has about that time, us.
     pub(super) fn departs_us(&self, sound: &Self, from_us: u64) -> Option<u64> {
         let index = |trace: &Self, time_us| trace.ticks.partition_point(|tick| tick.0 < time_us);
         let (last_us, _) = sound.ticks.last()?;

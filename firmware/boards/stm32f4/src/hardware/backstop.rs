@@ -10,7 +10,7 @@ use crate::backstop::{ENABLE, PATIENCE_US, PRESCALER, REQUESTS, STREAMS, TRANSFE
 use crate::pins::PORTS;
 use crate::schedule::VENTING;
 
-/// What the ports are told. In memory, not in flash, which may be what fails.
+/// Words for the ports that open all vents. They lie in memory, since the flash may be what failed.
 static LET_GO: [AtomicU32; PORTS] = {
     let [a, b, c] = VENTING;
     [AtomicU32::new(a), AtomicU32::new(b), AtomicU32::new(c)]
