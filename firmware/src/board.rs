@@ -1,6 +1,6 @@
 //! Board interface of the controller, real or simulated.
 
-use softlimb_protocol::{DeviceState, MAX_CHANNELS};
+use softlimb_protocol::{DeviceState, LinkErrors, MAX_CHANNELS};
 
 use crate::controller::{Controller, TickInputs, TickOutputs};
 use crate::valve::TICK_US;
@@ -26,6 +26,11 @@ pub trait Board<const N: usize = MAX_CHANNELS> {
     /// The most that the stack has held since the start, bytes; 0 where it is not measured.
     fn stack_used(&self) -> u16 {
         0
+    }
+
+    /// Errors of the link's port since the start; none on a port that cannot have any.
+    fn link_errors(&self) -> LinkErrors {
+        LinkErrors::NONE
     }
 
     /// Sends bytes; never more than [`Self::link_room`].
@@ -59,6 +64,7 @@ fn control<const N: usize, B: Board<N> + ?Sized>(
 ) -> (u64, TickOutputs<N>) {
     let inputs = board.inputs();
     controller.set_stack_used(board.stack_used());
+    controller.set_link_errors(board.link_errors());
     let outputs = controller.tick(&inputs);
     board.apply(&outputs);
     (inputs.now_us, outputs)

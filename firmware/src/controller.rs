@@ -3,7 +3,9 @@
 //! One tick: sense, supervise (`supervise.rs`), drive the channels, report. Messages act between ticks (`dispatch.rs`).
 
 use heapless::Vec;
-use softlimb_protocol::{BootCause, Decoder, DeviceState, FaultCode, HostMessage, MAX_CHANNELS, Outputs, SeqDedup};
+use softlimb_protocol::{
+    BootCause, Decoder, DeviceState, FaultCode, HostMessage, LinkErrors, MAX_CHANNELS, Outputs, SeqDedup,
+};
 
 use crate::channel::{Channel, Task, TickContext};
 use crate::config::{ActiveConfig, StagedConfig};
@@ -111,6 +113,9 @@ pub struct Controller<const N: usize = MAX_CHANNELS> {
     pub(crate) telemetry_due_us: u64,
     pub(crate) sampling: Sampling,
     pub(crate) stack_used: u16,
+    pub(crate) link_errors: LinkErrors,
+    pub(crate) link_errors_sent: LinkErrors,
+    pub(crate) link_errors_due_us: u64,
 }
 
 impl<const N: usize> Controller<N> {
@@ -146,6 +151,9 @@ impl<const N: usize> Controller<N> {
             telemetry_due_us: 0,
             sampling: Sampling::new(),
             stack_used: 0,
+            link_errors: LinkErrors::NONE,
+            link_errors_sent: LinkErrors::NONE,
+            link_errors_due_us: 0,
         }
     }
 
@@ -161,6 +169,11 @@ impl<const N: usize> Controller<N> {
     /// Takes the most that the stack has held since the start, bytes, for the telemetry; 0 where it is not measured.
     pub fn set_stack_used(&mut self, stack_used: u16) {
         self.stack_used = stack_used;
+    }
+
+    /// Takes the errors of the link's port since the start.
+    pub fn set_link_errors(&mut self, errors: LinkErrors) {
+        self.link_errors = errors;
     }
 
     /// State of the device.

@@ -82,6 +82,10 @@ impl<const N: usize> Controller<N> {
             HostMessage::SetOutputs(request) => self.set_outputs(request),
             HostMessage::Knots(knots) => self.knots(now_us, knots),
             HostMessage::SetSampling(request) => self.set_sampling(now_us, request),
+            HostMessage::ReadLinkErrors(_) => {
+                self.send_link_errors(now_us);
+                OK
+            }
         }
     }
 

@@ -1,9 +1,12 @@
-//! Unsolicited messages of the device: faults as they occur, measurements periodically.
+//! Unsolicited messages of the device: faults and errors of the link as they occur, measurements periodically.
 
 use softlimb_protocol::{ChannelSample, ChannelStatus, Fault, List, Telemetry};
 
 use crate::channel::Channel;
 use crate::controller::{Controller, TickInputs, TickOutputs};
+
+/// Shortest time from one LinkErrors to the next that nobody asked for, us: a line that is hurt all the time has to carry the rest, too.
+const LINK_ERRORS_US: u64 = 100_000;
 
 impl<const N: usize> Controller<N> {
     /// Queues untold faults and, when they are due, samples and a telemetry message at the end of a tick.
@@ -21,6 +24,9 @@ impl<const N: usize> Controller<N> {
             }
             self.faults.mark_reported();
         }
+        if self.link_errors != self.link_errors_sent && now_us >= self.link_errors_due_us {
+            self.send_link_errors(now_us);
+        }
         self.sample(inputs, outputs);
         let Some(config) = &self.config else { return };
         if now_us < self.telemetry_due_us {
@@ -33,6 +39,14 @@ impl<const N: usize> Controller<N> {
             && self.outbox.has_room_for_telemetry()
         {
             self.outbox.push(&message.into());
+        }
+    }
+
+    /// Queues the errors of the link's port, where there is room.
+    pub(crate) fn send_link_errors(&mut self, now_us: u64) {
+        if self.outbox.push(&self.link_errors.clone().into()) {
+            self.link_errors_sent = self.link_errors.clone();
+            self.link_errors_due_us = now_us.saturating_add(LINK_ERRORS_US);
         }
     }
 

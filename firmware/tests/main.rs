@@ -8,6 +8,7 @@ mod common;
 mod configuration;
 mod enumeration;
 mod faults;
+mod link_errors;
 mod link_loss;
 mod manual;
 mod outputs;

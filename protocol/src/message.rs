@@ -529,6 +529,12 @@ interface! {
             /// Content of a sample.
             content: Code<SampleContent>,
         }
+
+        /// Requests LinkErrors; changes nothing.
+        0x0f ReadLinkErrors Reliable {
+            /// Session.
+            session: u16,
+        }
     }
 
     /// A message from the device to the host.
@@ -650,11 +656,30 @@ interface! {
             /// The ticks in order.
             ticks: Batch<Tick>,
         }
+
+        /// Errors of the device's serial port since the start of the device, each count up to its maximum.
+        0x88 LinkErrors Unacknowledged {
+            /// Bytes that arrived before the byte ahead of them was read; at least one was lost each time.
+            overrun: u32,
+            /// Bytes without a stop bit: another speed, a broken line.
+            framing: u32,
+            /// Bytes of which the samples of a bit differed.
+            noise: u32,
+            /// Bytes of another parity than the one expected; 0 on a port without parity.
+            parity: u32,
+            /// Undamaged bytes that were dropped because the queue of received bytes was full.
+            queue_full: u32,
+        }
     }
 }
 
 /// The `channel` of a [`Fault`] that concerns no single channel.
 pub const SYSTEM_CHANNEL: u8 = 0xFF;
+
+impl LinkErrors {
+    /// No error.
+    pub const NONE: Self = Self { overrun: 0, framing: 0, noise: 0, parity: 0, queue_full: 0 };
+}
 
 impl FaultCode {
     /// The bit of this fault in [`Telemetry::fault_bits`].

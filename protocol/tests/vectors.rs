@@ -81,6 +81,7 @@ fn host_fields(message: &HostMessage) -> (&'static str, Value) {
                 "session": m.session, "channel": m.channel, "direction": m.direction.raw(), "duration_us": m.duration_us,
             }),
         ),
+        HostMessage::ReadLinkErrors(m) => ("ReadLinkErrors", json!({ "session": m.session })),
         HostMessage::SetOutputs(m) => ("SetOutputs", json!({ "session": m.session, "outputs": m.outputs.bits() })),
     }
 }
@@ -157,6 +158,13 @@ fn device_fields(message: &DeviceMessage) -> (&'static str, Value) {
         DeviceMessage::Telemetry(m) => ("Telemetry", telemetry_fields(m)),
         DeviceMessage::Samples(m) => ("Samples", samples_fields(m)),
         DeviceMessage::Ticks(m) => ("Ticks", ticks_fields(m)),
+        DeviceMessage::LinkErrors(m) => (
+            "LinkErrors",
+            json!({
+                "overrun": m.overrun, "framing": m.framing, "noise": m.noise, "parity": m.parity,
+                "queue_full": m.queue_full,
+            }),
+        ),
         DeviceMessage::Fault(m) => {
             ("Fault", json!({ "time_us": m.time_us, "channel": m.channel, "code": m.code.raw(), "value": m.value }))
         }

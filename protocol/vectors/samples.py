@@ -55,6 +55,7 @@ TYPICAL = {
     "Knots": {"session": 7, "index": 1, "knots": [
         {"step_us": 20_000, "outputs": 0, "steps": [100, -200]}, {"step_us": 10_000, "outputs": 1, "steps": [0, 3000]}]},
     "SetSampling": {"session": 7, "period_us": 5000, "samples": 2, "content": 0},
+    "ReadLinkErrors": {"session": 7},
     "HelloReply": REPLY,
     "Ack": ACK,
     "HeartbeatReply": {"host_time_us": 1_000_000, "mcu_time_us": 1_300_000, "state": 1, "free_knots": 64},
@@ -66,6 +67,7 @@ TYPICAL = {
     "Ticks": {"time_us": 2_000_000, "left_out": 0, "ticks": [
         {"flags": 0, "supply_code": 2867, "outputs_crc": 0x7D5DB7F3, "codes": [410, 1200]},
         {"flags": 1, "supply_code": 2866, "outputs_crc": 0, "codes": [411, 4095]}]},
+    "LinkErrors": {"overrun": 1, "framing": 2, "noise": 300, "parity": 0, "queue_full": 70_000},
 }
 DENSE_SETPOINT = {
     "session": 0x0101, "index": 0x01010101, "time_us": 0x0101010101010101, "outputs": 1, "values": [-1, 0x7F7F7F7F],
@@ -195,6 +197,10 @@ def batches():
     for period_us, number in ((0, 0), (1000, 255), (2**32 - 1, 1)):
         yield f"SetSampling, {number} every {period_us} us", "SetSampling", 91, {
             "session": 7, "period_us": period_us, "samples": number, "content": 0}
+    yield "LinkErrors, none", "LinkErrors", 93, {
+        "overrun": 0, "framing": 0, "noise": 0, "parity": 0, "queue_full": 0}
+    yield "LinkErrors, each at its maximum", "LinkErrors", 94, {
+        "overrun": 2**32 - 1, "framing": 2**32 - 2, "noise": 2**32 - 3, "parity": 2**32 - 4, "queue_full": 2**32 - 5}
     for content, name in ((1, "ticks"), (200, "content of a later version")):
         yield f"SetSampling, {name}", "SetSampling", 92, {
             "session": 7, "period_us": 1000, "samples": 8, "content": content}
@@ -260,6 +266,9 @@ def session(schema_hash):
     yield from request("SetOutputs", 11)
     yield from request("SetOutputs", 12, outputs=0)
     yield from request("SetSampling", 13)
+    yield "ReadLinkErrors", 14, TYPICAL["ReadLinkErrors"]
+    yield "LinkErrors", next(device_seq), TYPICAL["LinkErrors"]
+    yield answer("ReadLinkErrors", 14)
     # A run that closes the gripper with its last knot.
     start_us = 3_000_000
     setpoint = TYPICAL["Setpoint"] | {"time_us": start_us}
@@ -268,7 +277,7 @@ def session(schema_hash):
     last = {"step_us": 10_000, "outputs": 1, "steps": [0, 100]}
     yield "Knots", 1, TYPICAL["Knots"] | {"knots": [last | {"outputs": 0}, last]}
     yield answer("Knots", 1, 61)
-    yield from request("Command", 14, 61, time_us=start_us)
+    yield from request("Command", 15, 61, time_us=start_us)
     yield "Heartbeat", 2, TYPICAL["Heartbeat"]
     yield "HeartbeatReply", next(device_seq), TYPICAL["HeartbeatReply"] | {"mcu_time_us": now(), "free_knots": 61}
     yield telemetry(2, start_us + 5_000 - time_us, free_knots=63, next_index=3)
@@ -276,7 +285,7 @@ def session(schema_hash):
     yield "Fault", next(device_seq), {"time_us": now(15_000), "channel": 255, "code": 4, "value": 3}
     yield telemetry(3, 5_000, fault_bits=8, free_knots=64, next_index=3, outputs=1)
     # The payload stays: the output keeps its state while the limb is vented.
-    yield from command(2, 15)
+    yield from command(2, 16)
     yield telemetry(4, fault_bits=8, next_index=3, free_knots=64, outputs=1)
-    yield from command(4, 16)
+    yield from command(4, 17)
     yield telemetry(1, 600_000, next_index=3, free_knots=64, outputs=1)

@@ -26,6 +26,7 @@ HOST = {
     0x0c: ("SetOutputs", "session:H outputs:B"),
     0x0d: ("Knots", "session:H index:I knots:list:step"),
     0x0e: ("SetSampling", "session:H period_us:I samples:B content:B"),
+    0x0f: ("ReadLinkErrors", "session:H"),
 }
 DEVICE = {
     0x81: ("HelloReply", "protocol_version:H schema_hash:I session:H firmware_major:B firmware_minor:B firmware_patch:B "
@@ -37,6 +38,7 @@ DEVICE = {
     0x85: ("Fault", "time_us:Q channel:B code:B value:i"),
     0x86: ("Samples", "time_us:Q period_us:I left_out:I samples:list:moment"),
     0x87: ("Ticks", "time_us:Q left_out:I ticks:list:tick"),
+    0x88: ("LinkErrors", "overrun:I framing:I noise:I parity:I queue_full:I"),
 }
 RECORDS = {
     "sample": "pressure_10pa:H reference_10pa:H duty:b status:B",

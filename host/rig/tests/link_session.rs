@@ -2,7 +2,7 @@
 
 use crate::link_common::SESSION;
 use softlimb_protocol::*;
-use softlimb_rig::link::{Answer, Event, LinkError, Session, StreamOptions, Transport, stream};
+use softlimb_rig::link::{Answer, Event, LinkError, PortErrors, Session, StreamOptions, Transport, stream};
 
 const HELLO: Hello = Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: SESSION };
 
@@ -186,4 +186,16 @@ fn knots_of_the_wrong_form_are_refused_before_anything_is_sent() {
         stream(&mut firmware, &crate::link_common::configuration(2), &knots, &StreamOptions::new(SESSION), |_, _| {});
     assert_eq!(error.unwrap_err().to_string(), "setpoint 7 has 1 values for 2 channels");
     assert!(firmware.heard.is_empty());
+}
+
+#[test]
+fn errors_of_the_port_are_the_latest_that_the_device_told() {
+    let mut session = session();
+    assert_eq!(session.statistics().port_errors, None);
+    for overrun in [4, 9] {
+        let told = LinkErrors { overrun, framing: 1, noise: 2, parity: 3, queue_full: 5 };
+        session.receive(0, &frame(0, told)).unwrap();
+        let expected = PortErrors { overrun, framing: 1, noise: 2, parity: 3, queue_full: 5 };
+        assert_eq!(session.statistics().port_errors, Some(expected));
+    }
 }

@@ -285,6 +285,7 @@ fn second_program_looks_beside_a_run() {
     device.until("Running");
     let info = desk.softlimb(&format!("device info --port {port} --json")).done().json();
     assert_eq!(info["commanded_by_another"], Value::Bool(true));
+    assert!(info.get("port_errors").is_none(), "{info}");
     desk.softlimb(&format!("device vent --port {port}")).failed(1, &["another program controls the device"]);
     desk.softlimb(&format!("device monitor --port {port} --lines 1")).done();
     assert_eq!(host.ended(), Some(0));
@@ -391,6 +392,8 @@ fn board_is_asked_measured_and_watched() {
     let info = desk.softlimb(&format!("device info {port} --json")).done().json();
     assert_eq!((&info["state"], &info["boot_cause"]), (&"Idle".into(), &"PowerOn".into()), "{info}");
     assert!(info["channels_max"].as_u64() == Some(27) && info.get("config_hash").is_none(), "{info}");
+    let none = serde_json::json!({ "overrun": 0, "framing": 0, "noise": 0, "parity": 0, "queue_full": 0 });
+    assert_eq!(info["port_errors"], none, "{info}");
     // A device without a configuration measures nothing.
     desk.softlimb(&format!("device sensors {port}")).failed(1, &["no measurements", "--scene"]);
     let readings = desk.softlimb(&format!("device sensors {port} --scene scene.toml --time 0.3s --json")).done().json();
@@ -402,6 +405,7 @@ fn board_is_asked_measured_and_watched() {
     assert!(mean_pa(1) < 1e3, "the chamber is empty: {readings}");
     let table = desk.softlimb(&format!("device info {port}")).done().out;
     assert!(table.contains("state          Ready") && !table.contains("none"), "{table}");
+    assert!(table.contains("port errors    no error"), "{table}");
     let watched = desk.softlimb(&format!("device monitor {port} --period 0.05s --lines 3 --json")).done().out;
     let lines: Vec<Value> = watched.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let times: Vec<f64> = lines.iter().map(|line| line["time_s"].as_f64().unwrap()).collect();

@@ -229,7 +229,8 @@ fn by_hand() -> impl Strategy<Value = HostMessage> {
     let sampling = (any::<(u16, u32, u8)>(), code()).prop_map(|((session, period_us, samples), content)| {
         SetSampling { session, period_us, samples, content }.into()
     });
-    prop_oneof![pulse, outputs, sampling]
+    let errors = any::<u16>().prop_map(|session| ReadLinkErrors { session }.into());
+    prop_oneof![pulse, outputs, sampling, errors]
 }
 
 fn hello_reply() -> impl Strategy<Value = DeviceMessage> {
@@ -285,5 +286,8 @@ pub(crate) fn device_message() -> impl Strategy<Value = DeviceMessage> {
     });
     let fault = (any::<(u64, u8, i32)>(), code())
         .prop_map(|((time_us, channel, value), code)| Fault { time_us, channel, code, value }.into());
-    prop_oneof![hello_reply(), ack, heartbeat, telemetry(), samples_message(), ticks_message(), fault]
+    let errors = any::<[u32; 5]>().prop_map(|[overrun, framing, noise, parity, queue_full]| {
+        LinkErrors { overrun, framing, noise, parity, queue_full }.into()
+    });
+    prop_oneof![hello_reply(), ack, heartbeat, telemetry(), samples_message(), ticks_message(), fault, errors]
 }

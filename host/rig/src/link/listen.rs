@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use softlimb_protocol::{CommandCode, Decoder, DeviceMessage, SetSampling};
+use softlimb_protocol::{CommandCode, Decoder, DeviceMessage, HostMessage, ReadLinkErrors, SetSampling};
 
 use super::device::DeviceInfo;
 use super::driver::Driver;
@@ -11,10 +11,46 @@ use super::error::LinkError;
 use super::event::Event;
 use super::options::StreamOptions;
 use super::sampling::Sampling;
+use super::statistics::PortErrors;
 use super::transport::Transport;
 
 /// Longest wait for the HelloReply after a refusal, us.
 const REFUSED_REPLY_US: u64 = 100_000;
+
+/// Requests of an answer that was lost although its Ack was not.
+const ATTEMPTS: usize = 5;
+
+/// A device that was asked for more than its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Examined {
+    /// The device.
+    pub device: DeviceInfo,
+    /// Errors of its serial port since its start; `None` where another host commands it, since it answers that host alone.
+    pub port_errors: Option<PortErrors>,
+}
+
+/// Asks a device who it is, and for the errors of its port. Changes nothing on it.
+///
+/// # Errors
+/// [`LinkError`]: no answer, another interface.
+pub fn examine<T: Transport>(transport: &mut T, options: &StreamOptions<'_>) -> Result<Examined, LinkError> {
+    let mut on_event = |_: &mut T, _| {};
+    let mut driver = Driver::new(transport, options, &mut on_event);
+    let device = who(&mut driver)?;
+    let port_errors = if device.is_occupied { None } else { Some(port_errors(&mut driver)?) };
+    Ok(Examined { device, port_errors })
+}
+
+fn port_errors<T: Transport>(driver: &mut Driver<'_, T>) -> Result<PortErrors, LinkError> {
+    let message = HostMessage::from(ReadLinkErrors { session: driver.session.id() });
+    for _ in 0..ATTEMPTS {
+        driver.demand(&message)?;
+        if let Some(errors) = driver.session.statistics().port_errors {
+            return Ok(errors);
+        }
+    }
+    Err(LinkError::NoAnswer { message: "ReadLinkErrors" })
+}
 
 /// Identifies a device by one Hello. A device that another host commands answers too.
 ///
@@ -22,7 +58,10 @@ const REFUSED_REPLY_US: u64 = 100_000;
 /// [`LinkError`]: no answer, another interface.
 pub fn identify<T: Transport>(transport: &mut T, options: &StreamOptions<'_>) -> Result<DeviceInfo, LinkError> {
     let mut on_event = |_: &mut T, _| {};
-    let mut driver = Driver::new(transport, options, &mut on_event);
+    who(&mut Driver::new(transport, options, &mut on_event))
+}
+
+fn who<T: Transport>(driver: &mut Driver<'_, T>) -> Result<DeviceInfo, LinkError> {
     match driver.hello() {
         Err(LinkError::Occupied) => {
             driver.until(REFUSED_REPLY_US, |driver| driver.session.refused_reply().is_some())?;

@@ -10,7 +10,7 @@ use softlimb_protocol::{
 use super::clock::{ClockEstimator, ClockMap};
 use super::error::{LinkError, message_name};
 use super::event::Event;
-use super::statistics::LinkStatistics;
+use super::statistics::{LinkStatistics, PortErrors};
 use super::trajectory::{Knot, Trajectory};
 use super::window::Window;
 
@@ -182,6 +182,7 @@ impl Session {
             DeviceMessage::Telemetry(message) => self.on_telemetry(now_us, message),
             DeviceMessage::Samples(message) => self.events.push_back(Event::Samples { host_time_us: now_us, message }),
             DeviceMessage::Fault(message) => self.events.push_back(Event::Fault { host_time_us: now_us, message }),
+            DeviceMessage::LinkErrors(errors) => self.statistics.port_errors = Some(PortErrors::from(&errors)),
             DeviceMessage::HelloReply(reply) if reply.session != self.id => self.refused_reply = Some(reply),
             // Ticks are for a replay: the log has the bytes.
             DeviceMessage::HelloReply(_) | DeviceMessage::Ack(_) | DeviceMessage::Ticks(_) => {}

@@ -1,6 +1,9 @@
 //! Statistics of the link.
 
-use softlimb_protocol::LinkCounters;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+use softlimb_protocol::{LinkCounters, LinkErrors};
 
 /// Counts since the session was created.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,6 +18,46 @@ pub struct LinkStatistics {
     pub received: LinkCounters,
     /// Round trips of heartbeats.
     pub round_trip: RoundTrip,
+    /// Errors of the device's serial port; `None` where the device told of none in this session.
+    pub port_errors: Option<PortErrors>,
+}
+
+/// Errors of the device's serial port since the start of the device, as `protocol/SPEC.md` has them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PortErrors {
+    /// Bytes that arrived before the byte ahead of them was read.
+    pub overrun: u32,
+    /// Bytes without a stop bit.
+    pub framing: u32,
+    /// Bytes of which the samples of a bit differed.
+    pub noise: u32,
+    /// Bytes of a wrong parity.
+    pub parity: u32,
+    /// Undamaged bytes that were dropped because the queue of received bytes was full.
+    pub queue_full: u32,
+}
+
+impl From<&LinkErrors> for PortErrors {
+    fn from(message: &LinkErrors) -> Self {
+        let LinkErrors { overrun, framing, noise, parity, queue_full } = *message;
+        Self { overrun, framing, noise, parity, queue_full }
+    }
+}
+
+impl fmt::Display for PortErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let counts = [
+            (self.overrun, "overrun"),
+            (self.framing, "framing"),
+            (self.noise, "noise"),
+            (self.parity, "parity"),
+            (self.queue_full, "queue full"),
+        ];
+        let told: Vec<String> =
+            counts.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{name} {count}")).collect();
+        f.write_str(if told.is_empty() { "no error" } else { "" })?;
+        f.write_str(&told.join(", "))
+    }
 }
 
 /// Round-trip times of heartbeats, us.
@@ -41,5 +84,18 @@ impl RoundTrip {
         self.max_us = self.max_us.max(round_trip_us);
         self.sum_us += round_trip_us;
         self.count += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_named_where_there_are_some() {
+        assert_eq!(PortErrors::from(&LinkErrors::NONE).to_string(), "no error");
+        let all = LinkErrors { overrun: 1, framing: 2, noise: 3, parity: 4, queue_full: 5 };
+        assert_eq!(PortErrors::from(&all).to_string(), "overrun 1, framing 2, noise 3, parity 4, queue full 5");
+        assert_eq!(PortErrors { noise: 7, ..PortErrors::default() }.to_string(), "noise 7");
     }
 }

@@ -2,6 +2,7 @@
 
 use super::drawn::DrawnLimb;
 use super::solid::{Body, CarriedInfo, SolidInfo};
+use crate::link::PortErrors;
 use fra_model::StateQuantity;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -245,6 +246,9 @@ pub struct LinkSummary {
     pub crc_errors: u64,
     /// Measurements that did not arrive, by the device's times of those that did.
     pub telemetry_lost: u64,
+    /// Errors of the device's serial port since its start; `None` where the device told of none during the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub port_errors: Option<PortErrors>,
 }
 
 /// Data known after a run.

@@ -100,7 +100,7 @@ pub(super) fn time(summary: &Summary) -> String {
 pub(super) fn link(summary: &Summary) -> Vec<Fact> {
     let link = &summary.link;
     let fact = |name, value: u64| Fact { name, value: value.to_string() };
-    vec![
+    let mut facts = vec![
         fact("frames sent", link.frames_sent),
         fact("frames received", link.frames_received),
         fact("bytes sent", link.bytes_sent),
@@ -108,7 +108,9 @@ pub(super) fn link(summary: &Summary) -> Vec<Fact> {
         fact("retransmitted", link.retransmitted),
         fact("checksum errors", link.crc_errors),
         fact("telemetry lost", link.telemetry_lost),
-    ]
+    ];
+    facts.extend(link.port_errors.map(|errors| Fact { name: "port of the device", value: errors.to_string() }));
+    facts
 }
 
 /// A fault as one line.

@@ -410,5 +410,6 @@ pub(super) fn link_summary(
         retransmitted: statistics.messages_repeated + statistics.setpoints_repeated,
         crc_errors: u64::from(statistics.received.crc),
         telemetry_lost,
+        port_errors: statistics.port_errors,
     }
 }

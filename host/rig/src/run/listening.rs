@@ -11,8 +11,8 @@ use super::assemble::sample_row;
 use super::{RunError, unix_ns};
 use crate::link::port::{Port, session_number};
 use crate::link::{
-    DeviceFault, DeviceInfo, Event, LinkError, SampleRequest, Sampling, StreamOptions, Traffic, Transport, identify,
-    listen, request_samples,
+    DeviceFault, DeviceInfo, Event, LinkError, PortErrors, SampleRequest, Sampling, StreamOptions, Traffic, Transport,
+    identify, listen, request_samples,
 };
 use crate::record::{
     Direction, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, Recorder, RunEnd, RunInfo, Sample, WireBytes,
@@ -64,7 +64,7 @@ pub fn record_behind(
         heard: Heard::default(),
     };
     let (mut decoder, mut bytes) = (Decoder::<DeviceMessage>::new(), Vec::new());
-    let mut lost = None;
+    let (mut lost, mut port_errors) = (None, None);
     while lost.is_none() && !stop.load(Ordering::Relaxed) {
         port.wait_until(port.now_us().saturating_add(LOOK_US));
         bytes.clear();
@@ -78,6 +78,7 @@ pub fn record_behind(
                 DeviceMessage::Telemetry(message) => listener.telemetry(&message)?,
                 DeviceMessage::Samples(message) => listener.samples(&message)?,
                 DeviceMessage::Fault(message) => listener.fault(&message)?,
+                DeviceMessage::LinkErrors(message) => port_errors = Some(PortErrors::from(&message)),
                 _ => {}
             }
         }
@@ -87,6 +88,7 @@ pub fn record_behind(
         frames_received: u64::from(counters.accepted),
         bytes_received: listener.heard.bytes,
         crc_errors: u64::from(counters.crc),
+        port_errors,
         ..LinkSummary::default()
     };
     let wall_s = port.now_us().saturating_sub(began_us) as f64 * 1e-6;

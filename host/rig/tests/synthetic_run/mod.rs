@@ -4,6 +4,7 @@
 //! follows the pressures with a stiffness error.
 
 use fra_model::StateQuantity;
+use softlimb_rig::link::PortErrors;
 use softlimb_rig::record::{
     Body, ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, OutputSample, PhaseInfo, RunInfo, RunLog,
     Sample, Shape, TargetRecord,
@@ -106,6 +107,7 @@ pub(crate) fn run() -> RunLog {
         retransmitted: 3,
         crc_errors: 2,
         telemetry_lost: 1,
+        port_errors: Some(PortErrors { overrun: 2, framing: 0, noise: 5, parity: 0, queue_full: 0 }),
     };
     let peak_chamber_pa = (0..9).map(|channel| 90e3 + 1e3 * f64::from(channel)).collect();
     let met = TargetRecord { name: "lift".into(), time_s: Some(12.54), least_m: Some(4.56e-3), held_s: 0.8 };

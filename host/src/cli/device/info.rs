@@ -6,9 +6,9 @@ use serde::Serialize;
 use super::super::port::DevicePort;
 use super::super::shared::show;
 use super::super::{Failure, Outcome};
-use softlimb_rig::link::{DeviceInfo, code_name, identify};
+use softlimb_rig::link::{Examined, PortErrors, code_name, examine};
 
-/// Ask a device for its firmware, its limits, its state, and why it last started
+/// Ask a device for its firmware, its limits, its state, why it last started, and the errors of its port
 #[derive(Args)]
 #[command(
     after_help = "Changes nothing on the device. A device that another program commands answers too, and says so.\n\n\
@@ -39,20 +39,23 @@ struct Printed {
     config_hash: Option<String>,
     /// Whether another program commands the device.
     commanded_by_another: bool,
+    /// Since the start of the device. Absent where another program commands it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    port_errors: Option<PortErrors>,
 }
 
 impl Info {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (address, mut port) = self.port.open()?;
-        let device = identify(&mut port, &super::super::port::options()).map_err(Failure::new)?;
-        let printed = Printed::new(address.to_string(), &device);
+        let examined = examine(&mut port, &super::super::port::options()).map_err(Failure::new)?;
+        let printed = Printed::new(address.to_string(), &examined);
         show(self.json, &printed, || printed.table())?;
         Ok(Outcome::Done)
     }
 }
 
 impl Printed {
-    fn new(port: String, device: &DeviceInfo) -> Self {
+    fn new(port: String, Examined { device, port_errors }: &Examined) -> Self {
         Self {
             port,
             firmware: device.firmware.to_string(),
@@ -65,6 +68,7 @@ impl Printed {
             tick_us: device.tick_us,
             config_hash: device.config_hash.map(|hash| format!("{hash:08x}")),
             commanded_by_another: device.is_occupied,
+            port_errors: *port_errors,
         }
     }
 
@@ -79,6 +83,7 @@ impl Printed {
             ("buffer", format!("{} setpoints", self.knots_capacity)),
             ("tick", format!("{} us", self.tick_us)),
             ("configuration", self.config_hash.clone().unwrap_or_else(|| "none".to_owned())),
+            ("port errors", self.port_errors.map_or_else(|| "not told".to_owned(), |errors| errors.to_string())),
             ("commanded by", if self.commanded_by_another { "another program" } else { "nobody else" }.to_owned()),
         ];
         rows.iter().map(|(name, value)| format!("{name:13}  {value}\n")).collect()

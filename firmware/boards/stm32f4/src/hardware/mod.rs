@@ -11,5 +11,6 @@ pub mod host;
 pub mod image;
 pub mod option_bytes;
 pub mod ports;
+pub mod receiver;
 pub mod stack;
 pub mod watchdog;

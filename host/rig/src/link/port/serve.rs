@@ -157,7 +157,10 @@ impl Listener {
                         on_news(Served::Fault(DeviceFault::from(&fault)));
                         continue;
                     }
-                    DeviceMessage::Ack(_) | DeviceMessage::Samples(_) | DeviceMessage::Ticks(_) => continue,
+                    DeviceMessage::Ack(_)
+                    | DeviceMessage::Samples(_)
+                    | DeviceMessage::Ticks(_)
+                    | DeviceMessage::LinkErrors(_) => continue,
                 },
                 _ => continue,
             };

@@ -7,7 +7,9 @@ use softlimb_firmware::{AdcCode, Board, TICK_US};
 use softlimb_image_stm32f4::hardware::coils::COILS;
 use softlimb_image_stm32f4::hardware::{converter, ports};
 use softlimb_image_stm32f4::pins::{CHANNELS, EMERGENCY_STOP, TickInputs, TickOutputs};
+use softlimb_image_stm32f4::reception::ErrorCounts;
 use softlimb_image_stm32f4::schedule::{PumpDensity, schedule};
+use softlimb_protocol::LinkErrors;
 
 /// Bytes from the host that can wait, and one: 11 ms of the line.
 pub(crate) const INCOMING: usize = 1024;
@@ -31,6 +33,9 @@ pub(crate) static COUNTS: Counts = Counts {
     link: AtomicU32::new(0),
     stack_used: AtomicU16::new(0),
 };
+
+/// Errors of the link's port.
+pub(crate) static LINK_ERRORS: ErrorCounts = ErrorCounts::new();
 
 /// Pins, converter and link of the chip.
 pub(crate) struct FlashedBoard {
@@ -91,6 +96,10 @@ impl Board<CHANNELS> for FlashedBoard {
             // There is room: the caller asked.
             let _ = self.outgoing.enqueue(byte);
         }
+    }
+
+    fn link_errors(&self) -> LinkErrors {
+        LINK_ERRORS.now()
     }
 
     fn stack_used(&self) -> u16 {

@@ -22,6 +22,7 @@ mod app {
     use softlimb_firmware::{BootInfo, LOOK_US};
     use softlimb_image_stm32f4::hardware::backstop::Backstop;
     use softlimb_image_stm32f4::hardware::coils::{COILS, tick_begins};
+    use softlimb_image_stm32f4::hardware::receiver::Receiver;
     use softlimb_image_stm32f4::hardware::watchdog::Watchdog;
     use softlimb_image_stm32f4::hardware::{clocks, converter, crash, image, option_bytes, ports, stack};
     use softlimb_image_stm32f4::health::{Counters, Health};
@@ -32,9 +33,9 @@ mod app {
     use softlimb_protocol::BootCause;
     use stm32f4xx_hal::pac::{self, USART2};
     use stm32f4xx_hal::prelude::*;
-    use stm32f4xx_hal::serial::{Rx, Serial, Tx, config::Config};
+    use stm32f4xx_hal::serial::{Serial, Tx, config::Config};
 
-    use crate::board::{COUNTS, FlashedBoard, INCOMING, OUTGOING};
+    use crate::board::{COUNTS, FlashedBoard, INCOMING, LINK_ERRORS, OUTGOING};
 
     /// Speed of the link, bits a second.
     const BAUD: u32 = 921_600;
@@ -54,7 +55,7 @@ mod app {
         watchdog: Watchdog,
         backstop: Backstop,
         transmitter: Tx<USART2>,
-        receiver: Rx<USART2>,
+        receiver: Receiver,
         received: Producer<'static, u8>,
         to_send: Consumer<'static, u8>,
         board: FlashedBoard,
@@ -88,8 +89,8 @@ mod app {
         COILS.put(&[first; SLOTS]);
         converter::start(&device.ADC1, &device.ADC_COMMON, &device.DMA2, &mut rcc);
         let Ok(serial) = serial else { crash::stop(softlimb_image_stm32f4::record::Crash::Panic { line: line!() }) };
-        let (transmitter, mut receiver) = serial.split();
-        receiver.listen();
+        let (transmitter, receiver) = serial.split();
+        let receiver = Receiver::start(receiver);
         let backstop = Backstop::start(device.TIM1, &device.DMA2, &mut rcc);
         let mut timer = context.core.SYST;
         timer.set_clock_source(cortex_m::peripheral::syst::SystClkSource::Core);
@@ -149,9 +150,11 @@ mod app {
     #[task(binds = USART2, priority = 3, local = [transmitter, receiver, received, to_send])]
     fn link(context: link::Context) {
         let link::LocalResources { transmitter, receiver, received, to_send, .. } = context.local;
-        // A byte that arrived hurt, or that finds no place, is missed by the checksum of its frame. Reading clears what was wrong.
-        if let Ok(byte) = receiver.read() {
-            let _ = received.enqueue(byte);
+        // A byte that arrived hurt, or that finds no place, is missed by the checksum of its frame.
+        if let Some(byte) = receiver.read(&LINK_ERRORS)
+            && received.enqueue(byte).is_err()
+        {
+            LINK_ERRORS.take_without_place();
         }
         // As many as there is room for: one or two in the chip, all in an emulator that has no interrupt for it.
         while let Some(&byte) = to_send.peek()
