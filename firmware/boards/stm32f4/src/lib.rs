@@ -1,5 +1,6 @@
 //! Everything of the image for STM32F4 that needs no register: pins, the schedule of the coils, when the watchdog is fed, what is
-//! remembered over a reset, what the port received. It runs, and is tested, on any computer; what touches the chip is in `hardware`, which only the chip has.
+//! remembered over a reset, what the port received. It runs, and is tested, on any computer. What touches the chip is in `hardware`, which
+//! only the chip has.
 #![cfg_attr(not(test), no_std)]
 
 pub mod backstop;

@@ -83,7 +83,7 @@ impl Printed {
             ("buffer", format!("{} setpoints", self.knots_capacity)),
             ("tick", format!("{} us", self.tick_us)),
             ("configuration", self.config_hash.clone().unwrap_or_else(|| "none".to_owned())),
-            ("port errors", self.port_errors.map_or_else(|| "not told".to_owned(), |errors| errors.to_string())),
+            ("port errors", self.port_errors.map_or_else(|| "unknown".to_owned(), |errors| errors.to_string())),
             ("commanded by", if self.commanded_by_another { "another program" } else { "nobody else" }.to_owned()),
         ];
         rows.iter().map(|(name, value)| format!("{name:13}  {value}\n")).collect()
