@@ -28,7 +28,7 @@ pub trait Board<const N: usize = MAX_CHANNELS> {
         0
     }
 
-    /// Errors of the link's port since the start; none on a port that cannot have any.
+    /// Serial-port errors since the device started; zeros without a serial port.
     fn link_errors(&self) -> LinkErrors {
         LinkErrors::NONE
     }

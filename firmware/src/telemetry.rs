@@ -5,7 +5,7 @@ use softlimb_protocol::{ChannelSample, ChannelStatus, Fault, List, Telemetry};
 use crate::channel::Channel;
 use crate::controller::{Controller, TickInputs, TickOutputs};
 
-/// Shortest time from one LinkErrors to the next that nobody asked for, us: a line that is hurt all the time has to carry the rest, too.
+/// Least interval between unsolicited LinkErrors, us. On a noisy line, they must leave room for other messages.
 const LINK_ERRORS_US: u64 = 100_000;
 
 impl<const N: usize> Controller<N> {
@@ -42,7 +42,7 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// Queues the errors of the link's port, where there is room.
+    /// Queues LinkErrors if the outbox has room.
     pub(crate) fn send_link_errors(&mut self, now_us: u64) {
         if self.outbox.push(&self.link_errors.clone().into()) {
             self.link_errors_sent = self.link_errors.clone();

@@ -657,17 +657,17 @@ interface! {
             ticks: Batch<Tick>,
         }
 
-        /// Errors of the device's serial port since the start of the device, each count up to its maximum.
+        /// Serial-port errors since the device started. Each count stops at its maximum.
         0x88 LinkErrors Unacknowledged {
-            /// Bytes that arrived before the byte ahead of them was read; at least one was lost each time.
+            /// Overrun errors: a byte arrived before the previous one was read. Each loses at least one byte.
             overrun: u32,
-            /// Bytes without a stop bit: another speed, a broken line.
+            /// Framing errors: a byte without a stop bit, as from another baud rate or a broken line.
             framing: u32,
-            /// Bytes of which the samples of a bit differed.
+            /// Noise errors: the samples within one bit disagreed.
             noise: u32,
-            /// Bytes of another parity than the one expected; 0 on a port without parity.
+            /// Parity errors; always 0 on a port without parity.
             parity: u32,
-            /// Undamaged bytes that were dropped because the queue of received bytes was full.
+            /// Intact bytes dropped because the receive queue was full.
             queue_full: u32,
         }
     }

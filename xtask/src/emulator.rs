@@ -21,7 +21,7 @@ const SHIFT: &str = "shift=8,sleep=off";
 const COUNTS: i64 = 32;
 const INSTRUCTIONS: i64 = 5;
 
-/// A run takes minutes, several times as long beside other work on a slow computer. An image that hangs is ended after half an hour.
+/// Interval between checks of the emulator, and their number in half an hour. A run takes minutes, and longer on a busy computer.
 const PAUSE: Duration = Duration::from_millis(50);
 const PAUSES_MAX: u32 = 36_000;
 

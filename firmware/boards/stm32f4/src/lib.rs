@@ -1,6 +1,6 @@
-//! Everything of the image for STM32F4 that needs no register: pins, the schedule of the coils, when the watchdog is fed, what is
-//! remembered over a reset, what the port received. It runs, and is tested, on any computer. What touches the chip is in `hardware`, which
-//! only the chip has.
+//! Hardware-independent part of the STM32F4 image: pin assignment, coil schedule, watchdog feeding, crash records and counts of serial-port
+//! errors. It compiles on any computer, and its tests run there. The module `hardware` accesses the registers and compiles for the chip
+//! alone.
 #![cfg_attr(not(test), no_std)]
 
 pub mod backstop;

@@ -1,4 +1,4 @@
-//! Bytes of the serial port: which are good, and how many were not, by reason.
+//! Counts of serial-port errors by kind.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -11,10 +11,10 @@ const NOISE: u32 = 1 << 2;
 const OVERRUN: u32 = 1 << 3;
 const NOT_EMPTY: u32 = 1 << 5;
 
-/// Any of them asks for a read of the data register, which clears them all.
+/// Status bits that require a read of the data register, which clears them.
 pub const PENDING: u32 = PARITY | FRAMING | NOISE | OVERRUN | NOT_EMPTY;
 
-/// Counts since the start, each up to its maximum. One interrupt writes them; anyone reads.
+/// Error counts since the device started. Each stops at its maximum. Only the link's interrupt writes them.
 pub struct ErrorCounts {
     overrun: AtomicU32,
     framing: AtomicU32,
@@ -24,7 +24,7 @@ pub struct ErrorCounts {
 }
 
 impl ErrorCounts {
-    /// Nothing has been received.
+    /// All counts at zero.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -36,7 +36,7 @@ impl ErrorCounts {
         }
     }
 
-    /// Counts the errors in a status of the port. Whether the byte that came with it is good; the checksum of its frame misses any other.
+    /// Counts the errors in a port status. Returns whether the received byte is intact.
     pub fn take(&self, status: u32) -> bool {
         let counts = [(OVERRUN, &self.overrun), (FRAMING, &self.framing), (NOISE, &self.noise), (PARITY, &self.parity)];
         let mut is_good = status & NOT_EMPTY != 0;
@@ -47,12 +47,12 @@ impl ErrorCounts {
         is_good
     }
 
-    /// Counts a good byte that found no place in the queue.
+    /// Counts an intact byte that the full receive queue cannot hold.
     pub fn take_without_place(&self) {
         increment(&self.queue_full);
     }
 
-    /// The counts now.
+    /// Current counts.
     #[must_use]
     pub fn now(&self) -> LinkErrors {
         let count = |count: &AtomicU32| count.load(Ordering::Relaxed);
@@ -72,7 +72,7 @@ impl Default for ErrorCounts {
     }
 }
 
-/// For a count with one writer.
+/// Saturating increment of a count with one writer.
 fn increment(count: &AtomicU32) {
     count.store(count.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
 }
@@ -81,7 +81,7 @@ fn increment(count: &AtomicU32) {
 mod tests {
     use super::*;
 
-    /// Idle line, transmitter empty and complete: none of them is about a received byte.
+    /// Idle line, transmitter empty, transmission complete: no errors of reception.
     const OTHERS: u32 = 1 << 4 | 1 << 6 | 1 << 7;
 
     #[test]

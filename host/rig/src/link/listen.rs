@@ -17,19 +17,19 @@ use super::transport::Transport;
 /// Longest wait for the HelloReply after a refusal, us.
 const REFUSED_REPLY_US: u64 = 100_000;
 
-/// Requests of an answer that was lost although its Ack was not.
+/// Attempts to get LinkErrors: it can be lost although its Ack arrives.
 const ATTEMPTS: usize = 5;
 
-/// A device that was asked for more than its name.
+/// Identity of a device and the errors of its serial port.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Examined {
     /// The device.
     pub device: DeviceInfo,
-    /// Errors of its serial port since its start; `None` where another host commands it, since it answers that host alone.
+    /// Serial-port errors since the device started. `None` if another host commands the device, which answers that host alone.
     pub port_errors: Option<PortErrors>,
 }
 
-/// Asks a device who it is, and for the errors of its port. Changes nothing on it.
+/// Reads identity and serial-port errors of a device; changes nothing on it.
 ///
 /// # Errors
 /// [`LinkError`]: no answer, another interface.

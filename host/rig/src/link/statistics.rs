@@ -22,18 +22,18 @@ pub struct LinkStatistics {
     pub port_errors: Option<PortErrors>,
 }
 
-/// Errors of the device's serial port since the start of the device, as `protocol/SPEC.md` has them.
+/// Serial-port errors since the device started, as in `protocol/SPEC.md`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PortErrors {
-    /// Bytes that arrived before the byte ahead of them was read.
+    /// Overrun errors: a byte arrived before the previous one was read.
     pub overrun: u32,
-    /// Bytes without a stop bit.
+    /// Framing errors: a byte without a stop bit.
     pub framing: u32,
-    /// Bytes of which the samples of a bit differed.
+    /// Noise errors: the samples within one bit disagreed.
     pub noise: u32,
-    /// Bytes of a wrong parity.
+    /// Parity errors.
     pub parity: u32,
-    /// Undamaged bytes that were dropped because the queue of received bytes was full.
+    /// Intact bytes dropped because the receive queue was full.
     pub queue_full: u32,
 }
 

@@ -1,4 +1,4 @@
-//! The receiving half of the link's port. The library reports one of several errors of a byte; here all are seen.
+//! Receiver of the link's serial port. The HAL reports one error of a byte; this receiver counts all of them.
 
 use stm32f4xx_hal::pac::USART2;
 use stm32f4xx_hal::prelude::*;
@@ -6,23 +6,23 @@ use stm32f4xx_hal::serial::Rx;
 
 use crate::reception::{ErrorCounts, PENDING};
 
-/// The receiver, whose interrupt comes with every byte.
+/// Receiver with an interrupt for every byte.
 pub struct Receiver {
-    /// Nobody else reads while it is held.
+    /// Exclusive ownership of the receiving half.
     _owned: Rx<USART2>,
 }
 
 impl Receiver {
-    /// Asks for an interrupt at every byte.
+    /// Enables the interrupt for received bytes.
     #[must_use]
     pub fn start(mut receiver: Rx<USART2>) -> Self {
         receiver.listen();
         Self { _owned: receiver }
     }
 
-    /// The byte that has arrived, if it is good. Reading it clears all errors, which are counted.
+    /// Received byte, if it has no error. Counts its errors; reading the data register clears them.
     pub fn read(&mut self, errors: &ErrorCounts) -> Option<u8> {
-        // SAFETY: the receiver owns the half of the port that these two registers belong to; the order of reads is that of RM0090.
+        // SAFETY: the receiver owns the receiving half of the port. RM0090 prescribes this order: status first, then data.
         let port = unsafe { &*USART2::PTR };
         let status = u32::from(port.sr().read().bits());
         if status & PENDING == 0 {

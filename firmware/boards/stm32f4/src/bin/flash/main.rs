@@ -150,7 +150,7 @@ mod app {
     #[task(binds = USART2, priority = 3, local = [transmitter, receiver, received, to_send])]
     fn link(context: link::Context) {
         let link::LocalResources { transmitter, receiver, received, to_send, .. } = context.local;
-        // A byte that arrived hurt, or that finds no place, is missed by the checksum of its frame.
+        // The frame of a damaged or dropped byte fails its checksum.
         if let Some(byte) = receiver.read(&LINK_ERRORS)
             && received.enqueue(byte).is_err()
         {
