@@ -18,7 +18,8 @@ use devices::Images;
 use softlimb_rig::record;
 use softlimb_rig::record::{Capture, DeviceTick, Direction, RunLog, WireBytes};
 use softlimb_rig::run::Mcu;
-use support::{Ran, rerun, run_on, scene_with};
+use softlimb_scene::Scene;
+use support::{Ran, rerun, run_on, scene_of, scene_text, scene_with};
 
 const SCENE: &str = "weightless-a";
 
@@ -48,10 +49,19 @@ fn the_twin_gives_the_bits_that_the_controller_gives_here() {
     }
 }
 
+/// The scene up to its second hold: the emulated board takes ten times as long as the scene.
+fn begun() -> Scene {
+    let text = scene_text(SCENE);
+    let phases: Vec<_> = text.match_indices("[[phase]]").map(|(at, _)| at).collect();
+    let limits = text.find("[limits]").expect("limits behind the phases");
+    assert!(phases.len() == 4 && phases[3] < limits, "{phases:?}");
+    scene_of(SCENE, &(text[..phases[2]].to_owned() + &text[limits..]))
+}
+
 #[test]
 fn the_flashed_image_tracks_as_well_as_the_controller_here() {
     let Some(images) = Images::find("the_flashed_image_tracks_as_well_as_the_controller_here") else { return };
-    let scene = scene_with(SCENE, "");
+    let scene = begun();
     let here = run_on(Mcu::Here, &scene, 1);
     let flashed = run_on(Mcu::Flashed(images.flashed()), &scene, 1);
     assert!(flashed.summary.faults.is_empty(), "{:?}", flashed.summary.faults);

@@ -57,8 +57,17 @@ fn folder() -> PathBuf {
 
 /// A scene with more text behind it.
 pub(crate) fn scene_with(name: &str, more: &str) -> Scene {
-    let text = std::fs::read_to_string(folder().join(format!("{name}.toml"))).unwrap() + more;
-    scene::parse(&text, name).unwrap_or_else(|error| panic!("{}", error.render(false)))
+    scene_of(name, &(scene_text(name) + more))
+}
+
+/// The text of a scene.
+pub(crate) fn scene_text(name: &str) -> String {
+    std::fs::read_to_string(folder().join(format!("{name}.toml"))).unwrap()
+}
+
+/// The scene of a text.
+pub(crate) fn scene_of(name: &str, text: &str) -> Scene {
+    scene::parse(text, name).unwrap_or_else(|error| panic!("{}", error.render(false)))
 }
 
 /// A finished run; its files live as long as it does.
