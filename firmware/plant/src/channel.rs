@@ -197,6 +197,7 @@ impl Channel {
         ChannelTruth {
             pressure_pa,
             line_pressure_pa: then.gas.line_abs_pa - ambient,
+            air_used_kg: then.gas.filled_kg,
             air_temperature_k: then.gas.temperature_k(&self.piping),
             fill_open: then.open.fill,
             vent_open: then.open.vent,

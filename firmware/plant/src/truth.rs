@@ -27,6 +27,8 @@ pub struct ChannelTruth {
     pub pressure_pa: f64,
     /// Gauge pressure at the manifold, where the sensor sits, Pa.
     pub line_pressure_pa: f64,
+    /// Air that this channel took from the supply since the start, kg.
+    pub air_used_kg: f64,
     /// Temperature of the air in the actuator, K.
     pub air_temperature_k: f64,
     /// Whether the fill valve passes air.

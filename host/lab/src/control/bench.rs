@@ -1,12 +1,12 @@
-//! A trial: the device behind its link with an eye on the truth, and the plant alone with valves that are left open.
+//! A trial: the device behind its link with an eye on the truth.
 
 use std::io;
 
 use softlimb_rig::link::{Event, Knot, Outputs, StreamOptions, Transport, stream};
-use softlimb_sim::plant::{ChannelDrive, Drive, Plant, PlantSettings};
+use softlimb_sim::plant::{PlantSettings, Truth};
 use softlimb_sim::{Here, SimSettings, SimulatedMcu, here};
 
-use super::program::{knots_pa, near_pa, steps_pa};
+use super::program::knots_pa;
 use crate::faults::bench::{CHANNELS, KNOT_US, configuration};
 
 /// The truth at the end of a tick.
@@ -18,6 +18,20 @@ pub struct Moment {
     pub pressure_pa: [f64; CHANNELS],
     /// Whether the fill and the vent valve of each pass air.
     pub open: [[bool; 2]; CHANNELS],
+    /// Air that each took from the supply since the start, kg.
+    pub air_kg: [f64; CHANNELS],
+}
+
+impl Moment {
+    pub(super) fn of(truth: &Truth, time_s: f64) -> Self {
+        let channel = |index: usize| &truth.channels[index];
+        Self {
+            time_s,
+            pressure_pa: std::array::from_fn(|index| channel(index).pressure_pa),
+            open: std::array::from_fn(|index| [channel(index).fill_open, channel(index).vent_open]),
+            air_kg: std::array::from_fn(|index| channel(index).air_used_kg),
+        }
+    }
 }
 
 /// A run from its start on.
@@ -70,13 +84,7 @@ impl Watched {
         if self.moments.last().is_some_and(|last| last.time_s >= time_s) {
             return;
         }
-        let truth = self.mcu.truth();
-        let mut moment = Moment { time_s, pressure_pa: [0.0; CHANNELS], open: [[false; 2]; CHANNELS] };
-        for (index, channel) in truth.channels.iter().enumerate() {
-            moment.pressure_pa[index] = channel.pressure_pa;
-            moment.open[index] = [channel.fill_open, channel.vent_open];
-        }
-        self.moments.push(moment);
+        self.moments.push(Moment::of(&self.mcu.truth(), time_s));
     }
 }
 
@@ -101,66 +109,4 @@ impl Transport for Watched {
             self.look();
         }
     }
-}
-
-/// Time for the air to cool down and the line to settle before the next step, ticks.
-const REST: usize = 1_500;
-/// Attempts to come to the level from which a step starts, and distance from which on it is left, Pa.
-const TRIMS: usize = 4;
-const TRIM_PA: f64 = 500.0;
-/// Ticks after which a level is out of reach.
-const LONGEST: usize = 20_000;
-const TICK_S: f64 = 1e-3;
-
-/// Time that a valve, opened at the beginning of each step and left open, takes until the chamber comes near to the level, s.
-#[must_use]
-pub fn limits_s(plant: &PlantSettings) -> Vec<[f64; CHANNELS]> {
-    let mut plant = Plant::new(plant).expect("the settings of the bench");
-    let mut limits_s = Vec::new();
-    for (from_pa, to_pa) in steps_pa() {
-        // Air that was compressed cools down: the level is taken again until the chamber rests there.
-        for _ in 0..TRIMS {
-            open_until(&mut plant, from_pa, TRIM_PA);
-        }
-        limits_s.push(open_until(&mut plant, to_pa, near_pa(from_pa, to_pa)));
-    }
-    limits_s
-}
-
-fn open_until(plant: &mut Plant, level_pa: f64, near_pa: f64) -> [f64; CHANNELS] {
-    let pressures = |plant: &Plant| plant.truth().channels.iter().map(|it| it.pressure_pa).collect::<Vec<_>>();
-    let mut last_pa = pressures(plant);
-    let upwards: Vec<bool> = last_pa.iter().map(|pressure_pa| *pressure_pa < level_pa).collect();
-    let is_far = |index: usize| (last_pa[index] - level_pa).abs() > TRIM_PA;
-    let mut open: [bool; CHANNELS] = std::array::from_fn(is_far);
-    let mut near_s = open.map(|is_open| if is_open { f64::NAN } else { 0.0 });
-    for tick in 1..=LONGEST {
-        let coil = |index: usize| match (open[index], upwards[index]) {
-            (false, _) => ChannelDrive::default(),
-            (true, true) => ChannelDrive { fill_us: 1_000, vent_us: 0 },
-            (true, false) => ChannelDrive { fill_us: 0, vent_us: 1_000 },
-        };
-        step(plant, &std::array::from_fn::<_, CHANNELS, _>(coil));
-        let now_pa = pressures(plant);
-        for index in 0..CHANNELS {
-            let towards = if upwards[index] { 1.0 } else { -1.0 };
-            let left_pa = towards * (level_pa - now_pa[index]);
-            if near_s[index].is_nan() && left_pa <= near_pa {
-                near_s[index] = tick as f64 * TICK_S;
-            }
-            // The coil goes off so early that the closing valve leaves the chamber at the level.
-            let closing_pa = 2.0 * towards * (now_pa[index] - last_pa[index]);
-            open[index] &= left_pa > closing_pa;
-        }
-        last_pa = now_pa;
-        if open == [false; CHANNELS] && near_s.iter().all(|near_s| near_s.is_finite()) {
-            break;
-        }
-    }
-    (0..REST).for_each(|_| step(plant, &[ChannelDrive::default(); CHANNELS]));
-    near_s
-}
-
-fn step(plant: &mut Plant, channels: &[ChannelDrive]) {
-    plant.step(&Drive { channels, supply_open: true, pump: 1.0, gripper_on: false });
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use softlimb_numerics::statistics::{percentile, root_mean_square};
 
 use super::bench::Recording;
+use super::limits::Limits;
 use super::program::{SINE_JUDGED_S, STEP_S, STEPS_S, TRAJECTORY_S, knots_pa, near_pa, reference_pa, steps_pa};
 use crate::faults::bench::{CHANNELS, KNOT_US};
 
@@ -31,23 +32,29 @@ pub struct Figures {
     pub trajectory_pa: [f64; 2],
     /// Openings and closings of both valves in the trajectory, 1/s.
     pub switchings_per_s: f64,
+    /// Air taken in the trajectory over the air that its reference takes.
+    pub air_ratio: f64,
+    /// Rise of the pressure by the shortest pulse of the fill valve, Pa.
+    pub pulse_pa: f64,
 }
 
 impl Figures {
     /// All figures, in the order of the table.
     #[must_use]
-    pub fn values(&self) -> [f64; 9] {
-        let Self { settle, overshoot_pa, steady_pa, sine_pa, sine_ratio, trajectory_pa, switchings_per_s } = *self;
-        let [median, greatest] = settle;
-        let [rms_pa, most_pa] = trajectory_pa;
-        [median, greatest, overshoot_pa, steady_pa, sine_pa, sine_ratio, rms_pa, most_pa, switchings_per_s]
+    pub fn values(&self) -> [f64; 11] {
+        let [median, greatest] = self.settle;
+        let [rms_pa, most_pa] = self.trajectory_pa;
+        let Self { overshoot_pa, steady_pa, sine_pa, sine_ratio, switchings_per_s, air_ratio, pulse_pa, .. } = *self;
+        let steps = [median, greatest, overshoot_pa, steady_pa];
+        let moves = [sine_pa, sine_ratio, rms_pa, most_pa, switchings_per_s, air_ratio, pulse_pa];
+        std::array::from_fn(|index| if index < steps.len() { steps[index] } else { moves[index - steps.len()] })
     }
 }
 
-/// The figures of all channels, with the times of valves that are left open, s, by step and channel.
-pub(super) fn of(recording: &Recording, limits_s: &[[f64; CHANNELS]]) -> Vec<Figures> {
+/// The figures of all channels beside the limits of the plant.
+pub(super) fn of(recording: &Recording, limits: &Limits) -> Vec<Figures> {
     let knots_pa = knots_pa();
-    (0..CHANNELS).map(|channel| Track { recording, knots_pa: &knots_pa, channel }.figures(limits_s)).collect()
+    (0..CHANNELS).map(|channel| Track { recording, knots_pa: &knots_pa, channel }.figures(limits)).collect()
 }
 
 /// One channel of a recording.
@@ -58,11 +65,13 @@ struct Track<'a> {
 }
 
 impl Track<'_> {
-    fn figures(&self, limits_s: &[[f64; CHANNELS]]) -> Figures {
+    fn figures(&self, limits: &Limits) -> Figures {
         let steps: Vec<_> = steps_pa().enumerate().collect();
         let ratios: Vec<f64> = steps
             .iter()
-            .map(|(index, (from_pa, to_pa))| self.settled_s(*index, *from_pa, *to_pa) / limits_s[*index][self.channel])
+            .map(|(index, (from_pa, to_pa))| {
+                self.settled_s(*index, *from_pa, *to_pa) / limits.settle_s[*index][self.channel]
+            })
             .collect();
         let overshoot_pa = steps
             .iter()
@@ -86,7 +95,25 @@ impl Track<'_> {
             sine_ratio: sine_pa / self.quantisation_pa(SINE_JUDGED_S),
             trajectory_pa,
             switchings_per_s: self.switchings_per_s(TRAJECTORY_S),
+            air_ratio: self.air_ratio(limits),
+            pulse_pa: limits.pulse_pa[self.channel],
         }
+    }
+
+    /// Air taken in the trajectory, less what the chamber holds more at its end than at its begin, over the air by which the reference
+    /// fills it.
+    fn air_ratio(&self, limits: &Limits) -> f64 {
+        let moments = || self.recording.moments.iter().filter(|moment| TRAJECTORY_S.contains(&moment.time_s));
+        let (Some(first), Some(last)) = (moments().next(), moments().last()) else { return f64::NAN };
+        let holds_kg = |pressure_pa: f64| limits.air_kg(self.channel, pressure_pa);
+        let [before_kg, after_kg] = [first, last].map(|moment| holds_kg(moment.pressure_pa[self.channel]));
+        let taken_kg = last.air_kg[self.channel] - first.air_kg[self.channel];
+        let knot_s = KNOT_US as f64 * 1e-6;
+        let count = ((TRAJECTORY_S.end - TRAJECTORY_S.start) / knot_s).round() as usize;
+        let at_knot = |index: usize| reference_pa(self.knots_pa, TRAJECTORY_S.start + knot_s * index as f64);
+        let held_kg: Vec<f64> = (0..=count).map(|index| holds_kg(at_knot(index))).collect();
+        let needed_kg: f64 = held_kg.windows(2).map(|pair| (pair[1] - pair[0]).max(0.0)).sum();
+        (taken_kg - (after_kg - before_kg)) / needed_kg
     }
 
     /// Times and pressures of a part, s and Pa.

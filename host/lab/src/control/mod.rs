@@ -3,13 +3,15 @@
 mod bench;
 mod command;
 mod figures;
+mod limits;
 mod picture;
 mod program;
 mod rivals;
 mod table;
 
-pub use bench::{Moment, Recording, limits_s, record};
+pub use bench::{Moment, Recording, record};
 pub use figures::Figures;
+pub use limits::limits_s;
 pub use table::{HEADING, Line, PLACE, lines, page, parse};
 
 pub(crate) use command::Control;
@@ -17,7 +19,8 @@ pub(crate) use command::Control;
 use std::num::NonZero;
 use std::thread;
 
-use softlimb_sim::plant::{MotionSettings, PlantSettings, PumpSettings, Spread, Supply};
+use softlimb_numerics::Kronecker;
+use softlimb_sim::plant::{ChannelSettings, MotionSettings, PlantSettings, PumpSettings, Spread, Supply};
 
 use crate::faults::bench::settings;
 
@@ -40,6 +43,11 @@ const WIDEST: Spread = Spread {
     sensor_gain: 0.0,
 };
 
+/// Greatest deviations of volume and conductance that the device is not told: 17 % and 11 % RMS.
+pub const UNTOLD_VOLUME: f64 = 0.3;
+/// See [`UNTOLD_VOLUME`].
+pub const UNTOLD_CONDUCTANCE: f64 = 0.2;
+
 /// A loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
@@ -49,11 +57,13 @@ pub enum Method {
     Pi,
     /// A valve is open while the error is beyond a dead band.
     OnOff,
+    /// The limit of the valves' size: valves without delays, for as long in each tick as the true pressure lacks.
+    Swift,
 }
 
 impl Method {
     /// All loops, in the order of the table.
-    pub const ALL: [Self; 3] = [Self::Firmware, Self::Pi, Self::OnOff];
+    pub const ALL: [Self; 4] = [Self::Firmware, Self::Pi, Self::OnOff, Self::Swift];
 
     /// Name in the table.
     #[must_use]
@@ -62,6 +72,7 @@ impl Method {
             Self::Firmware => "firmware",
             Self::Pi => "PI, feed-forward",
             Self::OnOff => "on-off",
+            Self::Swift => "valves without delay",
         }
     }
 }
@@ -77,11 +88,13 @@ pub enum Group {
     Pump,
     /// Plants of the widest spread.
     Spread,
+    /// Plants whose volumes and conductances alone differ, evenly up to [`UNTOLD_VOLUME`] and [`UNTOLD_CONDUCTANCE`].
+    Untold,
 }
 
 impl Group {
     /// All groups, in the order of the table.
-    pub const ALL: [Self; 4] = [Self::Nominal, Self::Moved, Self::Pump, Self::Spread];
+    pub const ALL: [Self; 5] = [Self::Nominal, Self::Moved, Self::Pump, Self::Spread, Self::Untold];
 
     /// Name in the table.
     #[must_use]
@@ -91,13 +104,20 @@ impl Group {
             Self::Moved => "nominal, moved",
             Self::Pump => "nominal, pump",
             Self::Spread => "60 plants",
+            Self::Untold => "60 untold",
         }
+    }
+
+    /// Whether it has more than one plant.
+    #[must_use]
+    pub fn is_many(self) -> bool {
+        matches!(self, Self::Spread | Self::Untold)
     }
 
     /// Seeds of its plants.
     #[must_use]
     pub fn seeds(self) -> std::ops::RangeInclusive<u64> {
-        if self == Self::Spread { 1..=PLANTS } else { 1..=1 }
+        if self.is_many() { 1..=PLANTS } else { 1..=1 }
     }
 
     /// The plant of a seed.
@@ -109,10 +129,19 @@ impl Group {
         match self {
             Self::Pump => plant.supply = Supply::Pump(PumpSettings::default()),
             Self::Moved => plant.channels.iter_mut().for_each(|channel| channel.motion = MOTION),
+            Self::Untold => plant.channels.iter_mut().for_each(|channel| untold(channel, seed)),
             Self::Nominal | Self::Spread => {}
         }
         plant
     }
+}
+
+/// Changes volume and conductance, evenly over the plants.
+fn untold(channel: &mut ChannelSettings, seed: u64) {
+    let points = Kronecker::new(2, 0);
+    let factor = |axis: usize, most: f64| 1.0 + most * (2.0 * points.coordinate(seed as usize, axis) - 1.0);
+    channel.actuator.length_m *= factor(0, UNTOLD_VOLUME);
+    channel.valve.conductance_m3_per_s_pa *= factor(1, UNTOLD_CONDUCTANCE);
 }
 
 /// A plant with its recording and the figures of each channel.
@@ -146,7 +175,14 @@ pub fn run(groups: &[Group]) -> Vec<Trial> {
 
 fn trial((method, group, seed): (Method, Group, u64)) -> Trial {
     let plant = group.plant(seed);
-    let recording = if method == Method::Firmware { record(&plant) } else { rivals::record(&plant, method) };
-    let figures = recording.fault.is_none().then(|| figures::of(&recording, &bench::limits_s(&plant)));
+    let told = Group::Nominal.plant(seed).channels;
+    let recording = if method == Method::Firmware { record(&plant) } else { rivals::record(&plant, &told, method) };
+    let mut figures = recording.fault.is_none().then(|| figures::of(&recording, &limits::Limits::of(&plant)));
+    if method == Method::Swift {
+        // Its valves switch within a tick.
+        for figures in figures.iter_mut().flatten() {
+            (figures.sine_ratio, figures.switchings_per_s) = (f64::NAN, f64::NAN);
+        }
+    }
     Trial { method, group, recording, figures }
 }

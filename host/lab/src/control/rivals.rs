@@ -1,4 +1,5 @@
-//! Other loops, on the plant without a device: pulses of a PI controller with feed-forward, and valves that are on or off beyond a dead band.
+//! Other loops, on the plant without a device: pulses of a PI controller with feed-forward, valves that are on or off beyond a dead band, and
+//! valves without delays.
 
 use fra_model::{Actuator, Load};
 use softlimb_sim::plant::{
@@ -18,6 +19,9 @@ const BEFORE: usize = 200;
 
 /// Error beyond which the on-off loop opens a valve, Pa.
 const DEAD_BAND_PA: f64 = 1e3;
+
+/// Effect of a tick that a valve without delay is credited with before its first whole one, Pa.
+const FIRST_EFFECT_PA: f64 = 500.0;
 
 /// Control period of the PI loop, ticks, and its gains, 1/s and 1/s2.
 const PERIOD: usize = 20;
@@ -41,37 +45,36 @@ const BESIDE_M3: f64 = 6.9e-6;
 /// Sonic conductance of 1 m of 2.5 mm tube, m3/(s Pa).
 const LINE_M3_PER_S_PA: f64 = 3.78e-9;
 
-/// Runs the program on a plant by one of these loops.
-pub(super) fn record(settings: &PlantSettings, method: Method) -> Recording {
-    let mut plant = Plant::new(settings).expect("the settings of the bench");
+/// Runs the program on a plant by one of these loops, which knows the channels as `told`.
+pub(super) fn record(settings: &PlantSettings, told: &[ChannelSettings], method: Method) -> Recording {
+    let is_swift = method == Method::Swift;
+    let mut plant = Plant::new(&if is_swift { without_delay(settings) } else { settings.clone() })
+        .expect("the settings of the bench");
+    let mut swift: [Swift; CHANNELS] = std::array::from_fn(|_| Swift::new());
     let sensors: Vec<_> = settings.channels.iter().map(|channel| channel.sensor).collect();
     let knots_pa = knots_pa();
-    let mut loops: [Loop; CHANNELS] = std::array::from_fn(|channel| Loop::new(&settings.channels[channel]));
+    let mut loops: [Loop; CHANNELS] = std::array::from_fn(|channel| Loop::new(&told[channel]));
     let mut moments = Vec::new();
     let ticks = (end_s() / TICK_S).round() as usize;
     for tick in 0..BEFORE + ticks {
         let time_s = (tick as f64 - BEFORE as f64) * TICK_S;
+        let truth = is_swift.then(|| plant.truth());
         let channels: [ChannelDrive; CHANNELS] = std::array::from_fn(|channel| {
             let (sensor, code) = (sensors[channel], plant.pressure_codes()[channel]);
             let share = (f64::from(code) / f64::from(sensor.adc_full_scale) - 0.1) / 0.8;
             let reading_pa = sensor.min_pa + share * (sensor.max_pa - sensor.min_pa);
             let wanted_pa = |ahead_s: f64| reference_pa(&knots_pa, (time_s + ahead_s).max(0.0));
-            if method == Method::OnOff {
-                on_off(reading_pa, wanted_pa(0.0))
-            } else {
-                loops[channel].drive(tick, reading_pa, wanted_pa)
+            match &truth {
+                Some(truth) => swift[channel].drive(truth.channels[channel].pressure_pa, wanted_pa(TICK_S)),
+                None if method == Method::OnOff => on_off(reading_pa, wanted_pa(0.0)),
+                None => loops[channel].drive(tick, reading_pa, wanted_pa),
             }
         });
         plant.step(&Drive { channels: &channels, supply_open: true, pump: 1.0, gripper_on: false });
         if tick < BEFORE {
             continue;
         }
-        let truth = plant.truth();
-        moments.push(Moment {
-            time_s: time_s + TICK_S,
-            pressure_pa: std::array::from_fn(|channel| truth.channels[channel].pressure_pa),
-            open: std::array::from_fn(|channel| [truth.channels[channel].fill_open, truth.channels[channel].vent_open]),
-        });
+        moments.push(Moment::of(&plant.truth(), time_s + TICK_S));
     }
     Recording { moments, fault: None }
 }
@@ -80,6 +83,47 @@ fn on_off(reading_pa: f64, wanted_pa: f64) -> ChannelDrive {
     let error_pa = wanted_pa - reading_pa;
     let coil = |is_on: bool| if is_on { TICK_US } else { 0 };
     ChannelDrive { fill_us: coil(error_pa > DEAD_BAND_PA), vent_us: coil(error_pa < -DEAD_BAND_PA) }
+}
+
+fn without_delay(settings: &PlantSettings) -> PlantSettings {
+    let mut settings = settings.clone();
+    for channel in &mut settings.channels {
+        (channel.valve.on_delay_us, channel.valve.off_delay_us, channel.valve.jitter_us) = (0.0, 0.0, 0.0);
+    }
+    settings
+}
+
+/// Valves without delays: open in each tick for as long as the pressure lacks, by their last effects.
+struct Swift {
+    last_pa: f64,
+    last: ChannelDrive,
+    /// Change of the pressure by a whole tick of the fill and of the vent valve, Pa.
+    effects_pa: [f64; 2],
+}
+
+impl Swift {
+    fn new() -> Self {
+        Self { last_pa: 0.0, last: ChannelDrive::default(), effects_pa: [FIRST_EFFECT_PA; 2] }
+    }
+
+    fn drive(&mut self, pressure_pa: f64, wanted_pa: f64) -> ChannelDrive {
+        let change_pa = pressure_pa - self.last_pa;
+        for (effect_pa, (coil_us, moved_pa)) in
+            self.effects_pa.iter_mut().zip([(self.last.fill_us, change_pa), (self.last.vent_us, -change_pa)])
+        {
+            if coil_us == TICK_US && moved_pa > 0.0 {
+                *effect_pa = moved_pa;
+            }
+        }
+        let lacking_pa = wanted_pa - pressure_pa;
+        let coil_us = |lacking_pa: f64, effect_pa: f64| (lacking_pa / effect_pa).clamp(0.0, 1.0) * f64::from(TICK_US);
+        let drive = ChannelDrive {
+            fill_us: coil_us(lacking_pa, self.effects_pa[0]) as u16,
+            vent_us: coil_us(-lacking_pa, self.effects_pa[1]) as u16,
+        };
+        (self.last_pa, self.last) = (pressure_pa, drive);
+        drive
+    }
 }
 
 /// The PI loop of one channel.
