@@ -100,7 +100,7 @@ impl Track<'_> {
         }
     }
 
-    /// Air taken in the trajectory, less what the chamber holds more at its end than at its begin, over the air by which the reference
+    /// Air taken in the trajectory, less what the chamber holds more at its end than at its start, over the air by which the reference
     /// fills it.
     fn air_ratio(&self, limits: &Limits) -> f64 {
         let moments = || self.recording.moments.iter().filter(|moment| TRAJECTORY_S.contains(&moment.time_s));

@@ -17,7 +17,7 @@ const TRIM_PA: f64 = 500.0;
 const LONGEST: usize = 20_000;
 const TICK_S: f64 = 1e-3;
 
-/// Level at which the shortest pulse is measured, Pa, and time after its begin, ticks: the line has settled, the air has hardly cooled down.
+/// Level at which the shortest pulse is measured, Pa, and time after its start, ticks: the line has settled, the air has hardly cooled down.
 const PULSE_AT_PA: f64 = 60e3;
 const PULSE_SEEN: usize = 20;
 
