@@ -104,7 +104,7 @@ impl Track<'_> {
     /// fills it.
     fn air_ratio(&self, limits: &Limits) -> f64 {
         let moments = || self.recording.moments.iter().filter(|moment| TRAJECTORY_S.contains(&moment.time_s));
-        let (Some(first), Some(last)) = (moments().next(), moments().last()) else { return f64::NAN };
+        let (Some(first), Some(last)) = (moments().next(), moments().next_back()) else { return f64::NAN };
         let holds_kg = |pressure_pa: f64| limits.air_kg(self.channel, pressure_pa);
         let [before_kg, after_kg] = [first, last].map(|moment| holds_kg(moment.pressure_pa[self.channel]));
         let taken_kg = last.air_kg[self.channel] - first.air_kg[self.channel];
