@@ -231,16 +231,18 @@ class Reader:
         self.page.emulate_media(color_scheme="light")
 
 
-def read(page, file, pictures):
-    """Uses one report; the reader with what it found."""
+def read(page, file, pictures, must_keep_pace):
+    """Uses one report; a line for each thing that is wrong with it. A browser that must keep pace and does not raises SlowBrowser."""
     page.set_default_timeout(60_000)
     reader = Reader(page, file.stem)
     try:
         reader.open(file)
         for step in (reader.slider_moves_the_limb, reader.hover_shows_values, reader.keyboard_works, reader.drag_zooms_all):
-            reader.keep_pace()
+            if must_keep_pace:
+                reader.keep_pace()
             step()
-        reader.keep_pace()
+        if must_keep_pace:
+            reader.keep_pace()
         reader.looks(pictures)
         reader.print(pictures)
         figures = page.evaluate(UPDATES)
@@ -262,14 +264,13 @@ def main():
         while pages:
             page = browser.new_page(viewport={"width": 1280, "height": 900}, color_scheme="light")
             try:
-                wrong += read(page, pages[0], options.pictures)
+                # The last browser may be slow: on busy cores all of them are.
+                wrong += read(page, pages[0], options.pictures, spare > 0)
                 del pages[0]
                 page.close()
             except SlowBrowser as slow:
                 print(f"a browser is begun anew: {slow}")
                 browser.close()
-                if not spare:
-                    sys.exit(f"{BROWSERS} browsers drew one frame a second")
                 spare -= 1
                 browser = launched(playwright, options.browser)
         browser.close()
