@@ -8,7 +8,7 @@ use softlimb::rig::record;
 
 use super::desk::Desk;
 
-/// Longest wait for a file.
+/// Longest wait for a sample.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn start(desk: &Desk, line: &str) -> Child {
@@ -42,7 +42,9 @@ fn interrupted_run_vents_and_keeps_its_log() {
     let desk = Desk::with_scene(r#"hold = "0.2 s""#, r#"hold = "600 s""#);
     let child = start(&desk, "run scene.toml");
     let began = Instant::now();
-    while !desk.path("out/small/run.mcap.partial").exists() {
+    // The file is there before its first sample.
+    let has_samples = || record::read(desk.path("out/small/run.mcap.partial")).is_ok_and(|log| !log.samples.is_empty());
+    while !has_samples() {
         assert!(began.elapsed() < PATIENCE, "no log");
         sleep(Duration::from_millis(20));
     }
