@@ -21,7 +21,7 @@ const SHIFT: &str = "shift=8,sleep=off";
 const COUNTS: i64 = 32;
 const INSTRUCTIONS: i64 = 5;
 
-/// Interval between checks of the emulator, and their number in half an hour. A run takes minutes, and longer on a busy computer.
+/// Interval between checks of the emulator, and their number in half an hour. A traced run takes minutes, and longer on a busy computer.
 const PAUSE: Duration = Duration::from_millis(50);
 const PAUSES_MAX: u32 = 36_000;
 
@@ -44,20 +44,42 @@ pub(crate) fn counts(instructions: i64) -> i64 {
     instructions * COUNTS / INSTRUCTIONS
 }
 
-/// Output of the image, and the result of `listen` on the emulator's account of every instruction.
+/// Output of the image.
 ///
 /// # Errors
-/// The emulator does not start, the image hangs or leaves with a failure; those of `listen`.
-pub(crate) fn run<T: Send>(
+/// The emulator does not start, the image hangs or leaves with a failure.
+pub(crate) fn run(image: &Path) -> Result<String, String> {
+    let told = |mut errors: ChildStderr| std::io::copy(&mut errors, &mut std::io::stderr()).map_err(|e| e.to_string());
+    listened(command(image), told).map(|(text, _)| text)
+}
+
+/// Output of the image, and the result of `listen` on the emulator's account of every instruction: a hundred times slower.
+///
+/// # Errors
+/// As [`run`]; those of `listen`.
+pub(crate) fn traced<T: Send>(
     image: &Path,
     listen: impl FnOnce(ChildStderr) -> Result<T, String> + Send,
 ) -> Result<(String, T), String> {
-    let mut child = Command::new(EMULATOR)
+    let mut command = command(image);
+    command.args(["-d", "exec,nochain"]).args(one_by_one()?);
+    listened(command, listen)
+}
+
+fn command(image: &Path) -> Command {
+    let mut command = Command::new(EMULATOR);
+    command
         .args(["-machine", "mps2-an386", "-display", "none", "-monitor", "none", "-serial", "null"])
-        .args(["-semihosting-config", "enable=on,target=native", "-icount", SHIFT, "-d", "exec,nochain"])
-        .args(one_by_one()?)
-        .arg("-kernel")
-        .arg(image)
+        .args(["-semihosting-config", "enable=on,target=native", "-icount", SHIFT, "-kernel"])
+        .arg(image);
+    command
+}
+
+fn listened<T: Send>(
+    mut command: Command,
+    listen: impl FnOnce(ChildStderr) -> Result<T, String> + Send,
+) -> Result<(String, T), String> {
+    let mut child = command
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

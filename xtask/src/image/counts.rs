@@ -46,21 +46,22 @@ pub(super) fn with_stretches(mut rows: Vec<Row>, stretches: &[Stretch]) -> Resul
     Ok(rows)
 }
 
-/// The rows with instructions in place of counts, without those that calibrate.
+/// The rows with instructions in place of counts, without those that calibrate. Without cycles where nothing was traced.
 ///
 /// # Errors
 /// A loop of known length does not cost what it must.
 pub(super) fn converted(rows: Vec<Row>) -> Result<Vec<Row>, String> {
     let of = |question: &str| {
         let row = rows.iter().find(|row| row.question == question);
-        let costs = row.and_then(|row| row.cost.zip(row.cycles));
+        let costs = row.and_then(|row| Some((row.cost?, row.cycles)));
         costs.ok_or_else(|| format!("the image does not count `{question}`"))
     };
+    let less = |cycles: Option<i64>, by: Option<i64>| Some(cycles? - by?);
     let nothing = of(NOTHING)?;
     let [(short, few), (long, many)] = LOOPS;
     let (short, long) = (of(short)?, of(long)?);
-    let (found, expected) =
-        ((long.0 - short.0, long.1 - short.1), (counts(many - few), CYCLES_OF_TWO * (many - few) / 2));
+    let found = (long.0 - short.0, less(long.1, short.1));
+    let expected = (counts(many - few), found.1.map(|_| CYCLES_OF_TWO * (many - few) / 2));
     if found != expected {
         return Err(format!(
             "{} instructions take {found:?} counts of the timer and cycles, not {expected:?}",
@@ -68,11 +69,42 @@ pub(super) fn converted(rows: Vec<Row>) -> Result<Vec<Row>, String> {
         ));
     }
     let calibrates = |question: &str| question == NOTHING || LOOPS.iter().any(|(name, _)| *name == question);
-    let costs = |row: &Row| Some((instructions(row.cost? - nothing.0), row.cycles? - nothing.1));
+    let cost = |row: &Row| Some(instructions(row.cost? - nothing.0));
     let rows = rows.iter().filter(|row| !calibrates(&row.question));
-    Ok(rows
-        .map(|row| Row { cost: costs(row).map(|cost| cost.0), cycles: costs(row).map(|cost| cost.1), ..row.clone() })
-        .collect())
+    Ok(rows.map(|row| Row { cost: cost(row), cycles: less(row.cycles, nothing.1), ..row.clone() }).collect())
+}
+
+/// The rows with the cycles of the record, if the same compiler made it and every question takes the recorded number of instructions: they
+/// are the same instructions then.
+///
+/// # Errors
+/// The record cannot be read.
+pub(super) fn with_recorded_cycles(rows: &[Row], compiler: &str) -> Result<Option<Vec<Row>>, String> {
+    Ok(cycles_of(rows, compiler, &recorded()?))
+}
+
+fn cycles_of(rows: &[Row], compiler: &str, recorded: &str) -> Option<Vec<Row>> {
+    let (found_by, lines) = lines(recorded);
+    if !found_by.contains(compiler) || lines.len() != rows.len() {
+        return None;
+    }
+    let with_cycles = |(row, fields): (&Row, &Vec<&str>)| {
+        let [question, actuator, cost, cycles, ..] = fields[..] else { return None };
+        let is_same = row.name() == (question, actuator) && cost.parse().ok() == row.cost;
+        is_same.then_some(Row { cycles: Some(cycles.parse().ok()?), ..row.clone() })
+    };
+    rows.iter().zip(&lines).map(with_cycles).collect()
+}
+
+/// The record as it is.
+fn recorded() -> Result<String, String> {
+    fs::read_to_string(root().join(RECORD)).map_err(|error| format!("{RECORD}: {error}"))
+}
+
+/// The head of a record, which names the compiler, and the fields of its lines.
+fn lines(recorded: &str) -> (&str, Vec<Vec<&str>>) {
+    let lines = recorded.lines().filter(|line| !line.starts_with('#')).skip(1);
+    (recorded.lines().next().unwrap_or_default(), lines.map(|line| line.split('\t').collect()).collect())
 }
 
 /// Prints the table; compares it with the record, or records it.
@@ -86,7 +118,7 @@ pub(super) fn report(rows: &[Row], compiler: &str, what: Counts) -> Result<(), S
         println!("xtask: recorded in {RECORD}");
         return fs::write(&path, record(rows, compiler)).map_err(|error| format!("{}: {error}", path.display()));
     }
-    let recorded = fs::read_to_string(root().join(RECORD)).map_err(|error| format!("{RECORD}: {error}"))?;
+    let recorded = recorded()?;
     let again = "`cargo xtask model-image --record` records them anew";
     match verdict(rows, compiler, &recorded) {
         Verdict::Same => println!("xtask: every question costs what is recorded in {RECORD}, within {MARGIN} %"),
@@ -129,13 +161,12 @@ enum Verdict {
 }
 
 fn verdict(rows: &[Row], compiler: &str, recorded: &str) -> Verdict {
-    let recorded_rows: Vec<Vec<&str>> =
-        recorded.lines().filter(|line| !line.starts_with('#')).skip(1).map(|line| line.split('\t').collect()).collect();
+    let (found_by, recorded_rows) = lines(recorded);
     let same = |row: &Row, fields: &[&str]| matches!(fields, [one, other, ..] if row.name() == (*one, *other));
     if rows.len() != recorded_rows.len() || !rows.iter().zip(&recorded_rows).all(|(row, fields)| same(row, fields)) {
         return Verdict::OtherQuestions;
     }
-    if !recorded.lines().next().is_some_and(|line| line.contains(compiler)) {
+    if !found_by.contains(compiler) {
         return Verdict::OtherCompiler;
     }
     let mut other = Vec::new();
@@ -180,7 +211,8 @@ mod tests {
         let found = rows(652_807, 100).unwrap();
         let told: Vec<_> = found.iter().map(|row| (row.name(), row.cost, row.cycles)).collect();
         assert_eq!(told, [(("held", "bending"), Some(100), Some(200))]);
-        assert!(converted(image(652_807, 647)).is_err(), "no cycles");
+        let timed = converted(image(652_807, 647)).unwrap();
+        assert_eq!((timed[0].cost, timed[0].cycles), (Some(100), None), "nothing was traced");
         assert!(rows(652_817, 100).is_err(), "a longer loop");
     }
 
@@ -190,6 +222,17 @@ mod tests {
         assert!(with_stretches(image(652_807, 647), &stretches(109)).is_err());
         assert!(with_stretches(image(652_807, 647), &stretches(100)[..3]).is_err());
         assert!(with_stretches(Vec::new(), &[]).is_err());
+    }
+
+    #[test]
+    fn cycles_of_the_record_are_those_of_the_same_instructions_by_the_same_compiler() {
+        let timed = |held: i64| converted(image(652_807, 7 + held * 64 / 10)).unwrap();
+        let recorded = record(&rows(652_807, 1000).unwrap(), "rustc 1.96.0");
+        let known = cycles_of(&timed(1000), "rustc 1.96.0", &recorded).unwrap();
+        assert_eq!((known[0].cost, known[0].cycles), (Some(1000), Some(2000)));
+        assert_eq!(cycles_of(&timed(1005), "rustc 1.96.0", &recorded), None, "other instructions");
+        assert_eq!(cycles_of(&timed(1000), "rustc 1.97.0", &recorded), None);
+        assert_eq!(cycles_of(&[], "rustc 1.96.0", &recorded), None);
     }
 
     #[test]
