@@ -36,6 +36,16 @@ const NO_EFFECT: f32 = 0.25;
 const JUDGED_EFFECT_PA: f32 = 300.0;
 const JUDGED_RESIDUAL: f32 = 3.0;
 
+/// Pressure drop along the line, actual over modelled: to begin with, and bounds. A drop that is taken for too small closes a valve early,
+/// one that is taken for too large closes it beyond the reference.
+const DROP_START: f32 = 0.8;
+const DROP_MIN: f32 = 0.3;
+const DROP_MAX: f32 = 2.0;
+
+/// Share of an innovation that the drop takes, and share of a pulse's effect that the model of the pulse may miss.
+const DROP_RATE: f32 = 0.7;
+const DROP_NOISE: f32 = 0.3;
+
 /// Share of an innovation that the residual takes.
 const RESIDUAL_RATE: f32 = 0.1;
 
@@ -44,10 +54,11 @@ const RESIDUAL_RATE: f32 = 0.1;
 struct Learned {
     gain: f32,
     margin_us: u32,
+    drop: f32,
 }
 
 impl Learned {
-    const NOTHING: Self = Self { gain: 1.0, margin_us: MARGIN_START_US };
+    const NOTHING: Self = Self { gain: 1.0, margin_us: MARGIN_START_US, drop: DROP_START };
 
     /// `innovation_pa` is the effect of the pulse beyond `expected_pa`; both signed. False if the pulse did not open the valve.
     fn learn(&mut self, effect: &Effect, expected_pa: f32, innovation_pa: f32, residual_pa: f32) -> bool {
@@ -108,6 +119,21 @@ impl Adaptation {
         self.learned(direction).margin_us
     }
 
+    /// Actual over modelled drop of the pressure along the line behind the open valve, `0.3..=2`.
+    pub fn line_drop(&self, direction: Direction) -> f32 {
+        self.learned(direction).drop
+    }
+
+    /// Learns the drop from the first settled reading after a steady flow, which lies `innovation_pa` beyond its prediction.
+    /// `drop_pa` is the modelled drop, `effect_pa` the expected effect of the rest of the pulse; all Pa, signed.
+    pub(crate) fn learn_drop(&mut self, direction: Direction, drop_pa: f32, effect_pa: f32, innovation_pa: f32) {
+        let missed_pa = DROP_NOISE * effect_pa;
+        let noise = GAIN_NOISE_PA * GAIN_NOISE_PA + missed_pa * missed_pa;
+        let step = DROP_RATE * innovation_pa * drop_pa / (drop_pa * drop_pa + noise);
+        let learned = self.learned_mut(direction);
+        learned.drop = (learned.drop - step).clamp(DROP_MIN, DROP_MAX);
+    }
+
     /// Pressure change without any pulse, Pa/s.
     pub fn drift_pa_per_s(&self) -> f32 {
         self.drift_pa_per_s
@@ -132,10 +158,7 @@ impl Adaptation {
 
     /// A short pulse has not opened its valve.
     pub(crate) fn missed(&mut self, direction: Direction) {
-        let learned = match direction {
-            Direction::Fill => &mut self.fill,
-            Direction::Vent => &mut self.vent,
-        };
+        let learned = self.learned_mut(direction);
         learned.margin_us = (learned.margin_us + MARGIN_UP_US).min(MARGIN_MAX_US);
     }
 
@@ -146,6 +169,13 @@ impl Adaptation {
         let forgotten = (effect.duration_s / DRIFT_MEMORY_S).min(1.0) * self.drift_pa_per_s * (1.0 - trust);
         let drift = self.drift_pa_per_s - forgotten + DRIFT_RATE * trust * innovation_pa / effect.duration_s;
         self.drift_pa_per_s = drift.clamp(-DRIFT_MAX_PA_PER_S, DRIFT_MAX_PA_PER_S);
+    }
+
+    fn learned_mut(&mut self, direction: Direction) -> &mut Learned {
+        match direction {
+            Direction::Fill => &mut self.fill,
+            Direction::Vent => &mut self.vent,
+        }
     }
 
     fn learned(&self, direction: Direction) -> &Learned {
@@ -200,6 +230,24 @@ mod tests {
             adaptation.learn(&period(Some(Direction::Fill), 1_000.0, 90_000.0));
         }
         assert_eq!(adaptation.gain(Direction::Fill), 3.0);
+    }
+
+    #[test]
+    fn drop_of_one_direction_converges_within_its_bounds_and_small_ones_teach_nothing() {
+        // A valve of 0.8 of its conductance drops 0.64 of the pressure; the next estimate is off by the rest of the error.
+        let mut adaptation = Adaptation::new();
+        for _ in 0..8 {
+            let innovation_pa = (adaptation.line_drop(Direction::Fill) - 0.64) * 18e3;
+            adaptation.learn_drop(Direction::Fill, 18e3, 2e3, innovation_pa);
+        }
+        assert!((adaptation.line_drop(Direction::Fill) - 0.64).abs() < 0.01);
+        assert_eq!(adaptation.line_drop(Direction::Vent), 0.8);
+        adaptation.learn_drop(Direction::Vent, -20.0, -2e3, 500.0);
+        assert!((adaptation.line_drop(Direction::Vent) - 0.8).abs() < 0.01);
+        for _ in 0..100 {
+            adaptation.learn_drop(Direction::Vent, -18e3, -2e3, -18e3);
+        }
+        assert_eq!(adaptation.line_drop(Direction::Vent), 0.3);
     }
 
     #[test]

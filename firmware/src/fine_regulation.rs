@@ -139,19 +139,23 @@ impl FineRegulation {
         None
     }
 
-    /// Whether an error, Pa, is left alone; `up_pa` is the effect of the shortest filling pulse, Pa.
-    pub(crate) fn leaves(&mut self, error_pa: f32, up_pa: f32, reference: &Reference) -> bool {
+    /// Error that is small enough, Pa; `up_pa` is the effect of the shortest filling pulse, Pa.
+    pub(crate) fn band_pa(&self, up_pa: f32, reference: &Reference) -> f32 {
+        if (reference.end_pa - reference.start_pa).abs() <= STILL_PA {
+            (0..self.pairs).fold(BAND_PA, |band_pa, _| BAND_GROWTH * band_pa)
+        } else {
+            BAND_PA.max(SCATTER * up_pa)
+        }
+    }
+
+    /// Whether an error, Pa, is left alone: within the band, and below `single_pa`, from which on a single pulse makes it smaller.
+    pub(crate) fn leaves(&mut self, error_pa: f32, band_pa: f32, single_pa: f32) -> bool {
         self.age = self.age.wrapping_add(1);
         if self.age >= FORGET {
             (self.age, self.pairs) = (0, self.pairs.saturating_sub(1));
         }
-        let band_pa = if (reference.end_pa - reference.start_pa).abs() <= STILL_PA {
-            (0..self.pairs).fold(BAND_PA, |band_pa, _| BAND_GROWTH * band_pa)
-        } else {
-            BAND_PA.max(SCATTER * up_pa)
-        };
         let allowed_pa = if self.converged { LEFT * band_pa } else { band_pa };
-        self.converged = error_pa.abs() <= allowed_pa;
+        self.converged = error_pa.abs() <= allowed_pa.min(single_pa);
         self.converged
     }
 
@@ -193,15 +197,19 @@ mod tests {
         assert_eq!(fine.mean_pa(), None);
     }
 
+    fn leaves(fine: &mut FineRegulation, error_pa: f32, rate_pa: f32) -> bool {
+        let band_pa = fine.band_pa(500.0, &reference(rate_pa));
+        fine.leaves(error_pa, band_pa, 275.0)
+    }
+
     #[test]
     fn band_doubles_once_the_error_is_small_enough() {
         let mut fine = FineRegulation::new();
-        let still = reference(0.0);
-        assert!(!fine.leaves(60.0, 500.0, &still));
-        assert!(fine.leaves(-30.0, 500.0, &still));
-        assert!(fine.leaves(60.0, 500.0, &still));
-        assert!(!fine.leaves(70.0, 500.0, &still));
-        assert!(!fine.leaves(60.0, 500.0, &still), "it has to become good again");
+        assert!(!leaves(&mut fine, 60.0, 0.0));
+        assert!(leaves(&mut fine, -30.0, 0.0));
+        assert!(leaves(&mut fine, 60.0, 0.0));
+        assert!(!leaves(&mut fine, 70.0, 0.0));
+        assert!(!leaves(&mut fine, 60.0, 0.0), "it has to become good again");
     }
 
     #[test]
@@ -209,11 +217,14 @@ mod tests {
         let mut fine = FineRegulation::new();
         let pair = Pair { before_pa: 50e3, desired_pa: 100.0, up_pa: 500.0, down_pa: 400.0 };
         for _ in 0..4 {
-            assert!(!fine.leaves(120.0, 500.0, &reference(0.0)));
+            assert!(!leaves(&mut fine, 120.0, 0.0));
             fine.begin(pair);
         }
-        assert!(fine.leaves(120.0, 500.0, &reference(0.0)), "33 Pa times 1.4 to the fourth is 127 Pa");
-        assert!(!fine.leaves(120.0, 500.0, &reference(10.0)), "one that slides is followed");
+        assert!(leaves(&mut fine, 120.0, 0.0), "33 Pa times 1.4 to the fourth is 127 Pa");
+        assert!(!leaves(&mut fine, 120.0, 10.0), "one that slides is followed");
+        (0..20).for_each(|_| fine.begin(pair));
+        assert!(leaves(&mut fine, -270.0, 0.0));
+        assert!(!leaves(&mut fine, -280.0, 0.0), "a single pulse makes it smaller, however many pairs there were");
     }
 
     #[test]

@@ -61,6 +61,8 @@ struct Decision {
     coil_us: u32,
     modelled_pa: f32,
     sample: Sample,
+    /// Reading less settled pressure by the model, Pa, behind a steady flow.
+    drop_pa: f32,
 }
 
 /// Meaning of the manifold's sample for the chamber at a decision.
@@ -167,8 +169,9 @@ impl PressureLoop {
         let fill = self.pulse_model(input, reference, input.sensor_pa, 0);
         self.fine.note_shortest(self.towards(Direction::Fill, &fill).shortest_effect_pa());
         let near = self.fine.is_near(reference, input.now_us);
+        let modelled_drop_pa = self.modelled_drop_pa(input, sample);
         let resting = near && sample == Sample::Settled && input.sensor_trusted && input.may_fill;
-        let pressure_pa = self.chamber_pressure_pa(input, sample, resting);
+        let pressure_pa = self.chamber_pressure_pa(input, sample, modelled_drop_pa, resting);
         let last_pulse = self.last.and_then(|last| last.pulse);
         self.learn(input, pressure_pa, sample);
         let settles = sample == Sample::Settled && self.settles(input.sensor_step_pa, last_pulse);
@@ -201,6 +204,7 @@ impl PressureLoop {
             coil_us: plan.coil_us,
             modelled_pa: plan.modelled_pa,
             sample,
+            drop_pa: modelled_drop_pa,
         });
     }
 
@@ -227,13 +231,26 @@ impl PressureLoop {
         self.valves.direction_at(now_us.checked_sub(1)?)
     }
 
+    /// Drop of the pressure along the line behind a steady flow by the model, Pa, signed; 0 without one.
+    fn modelled_drop_pa(&self, input: &LoopInput, sample: Sample) -> f32 {
+        match (sample, self.last) {
+            (Sample::Settled, _) | (Sample::Opening(_), Some(_)) => 0.0,
+            _ if !input.sensor_trusted => 0.0,
+            (Sample::Opening(direction) | Sample::Steady(direction), _) => {
+                let settled_pa =
+                    input.pneumatics.settled_pa(direction, input.chamber, input.sensor_pa, input.supply_pa);
+                input.sensor_pa - settled_pa
+            }
+        }
+    }
+
     /// Gauge pressure at which the channel would come to rest, were its valves closed now, Pa.
-    fn chamber_pressure_pa(&self, input: &LoopInput, sample: Sample, resting: bool) -> f32 {
+    fn chamber_pressure_pa(&self, input: &LoopInput, sample: Sample, modelled_drop_pa: f32, resting: bool) -> f32 {
         match (sample, &self.last) {
             (Sample::Opening(_), Some(last)) => self.reckoned_pa(last),
             (_, Some(last)) if !input.sensor_trusted => self.reckoned_pa(last),
             (Sample::Opening(direction) | Sample::Steady(direction), _) => {
-                input.pneumatics.settled_pa(direction, input.chamber, input.sensor_pa, input.supply_pa)
+                input.sensor_pa - self.adaptation.line_drop(direction) * modelled_drop_pa
             }
             (Sample::Settled, _) => self.fine.mean_pa().filter(|_| resting).unwrap_or(input.sensor_pa),
         }
@@ -248,6 +265,10 @@ impl PressureLoop {
     /// Learns from the last pulse if both samples are measured and of one kind: behind an open valve they carry a bias.
     fn learn(&mut self, input: &LoopInput, pressure_pa: f32, sample: Sample) {
         let Some(last) = self.last.take() else { return };
+        if let (Sample::Steady(direction), Sample::Settled, true) = (last.sample, sample, input.sensor_trusted) {
+            let innovation_pa = pressure_pa - self.reckoned_pa(&last);
+            self.adaptation.learn_drop(direction, last.drop_pa, last.modelled_pa, innovation_pa);
+        }
         if last.sample != sample
             || matches!(sample, Sample::Opening(_))
             || !input.sensor_trusted
@@ -290,10 +311,13 @@ impl PressureLoop {
         let error_pa = wanted.change_pa;
         let mut fill = self.towards(Direction::Fill, &wanted);
         let least_up_pa = fill.shortest_effect_pa();
-        if self.fine.leaves(error_pa, least_up_pa, reference) {
+        let (band_pa, single_pa) = (self.fine.band_pa(least_up_pa, reference), wanted.deadband_pa());
+        if self.fine.leaves(error_pa, band_pa, single_pa) {
             return Plan::NOTHING;
         }
-        if error_pa.abs() >= wanted.shortest_effect_pa() {
+        // Pairs have widened the band: air cools down or leaks, and single pulses follow it.
+        let least_pa = if band_pa >= single_pa { single_pa } else { wanted.shortest_effect_pa() };
+        if error_pa.abs() >= least_pa {
             return wanted.plan(false);
         }
         let requested_pa = self.fine.requested_pa(error_pa, reference);
@@ -302,8 +326,7 @@ impl PressureLoop {
         let above_pa = fill.change_pa - error_pa;
         if above_pa > ABOVE_PA || pressure_pa + fill.change_pa > input.pressure_max_pa {
             // As while the reference moves.
-            let least_pa = wanted.deadband_pa();
-            return if error_pa.abs() < least_pa { Plan::NOTHING } else { wanted.plan(false) };
+            return if error_pa.abs() < single_pa { Plan::NOTHING } else { wanted.plan(false) };
         }
         vent.change_pa = requested_pa - fill.change_pa;
         vent.pressure_pa = pressure_pa + fill.change_pa;
