@@ -40,7 +40,7 @@ const JUDGED_RESIDUAL: f32 = 3.0;
 /// one that is taken for too large closes it beyond the reference.
 const DROP_START: f32 = 0.8;
 const DROP_MIN: f32 = 0.3;
-const DROP_MAX: f32 = 2.0;
+const DROP_MAX: f32 = 1.0;
 
 /// Share of an innovation that the drop takes, and share of a pulse's effect that the model of the pulse may miss.
 const DROP_RATE: f32 = 0.7;

@@ -114,7 +114,7 @@ pub struct Controller<const N: usize = MAX_CHANNELS> {
     pub(crate) sampling: Sampling,
     pub(crate) stack_used: u16,
     pub(crate) link_errors: LinkErrors,
-    pub(crate) link_errors_sent: LinkErrors,
+    pub(crate) link_errors_changed: bool,
     pub(crate) link_errors_due_us: u64,
 }
 
@@ -152,7 +152,7 @@ impl<const N: usize> Controller<N> {
             sampling: Sampling::new(),
             stack_used: 0,
             link_errors: LinkErrors::NONE,
-            link_errors_sent: LinkErrors::NONE,
+            link_errors_changed: false,
             link_errors_due_us: 0,
         }
     }
@@ -173,6 +173,7 @@ impl<const N: usize> Controller<N> {
 
     /// Takes the errors of the link's port since the start.
     pub fn set_link_errors(&mut self, errors: LinkErrors) {
+        self.link_errors_changed |= errors != self.link_errors;
         self.link_errors = errors;
     }
 

@@ -24,7 +24,7 @@ impl<const N: usize> Controller<N> {
             }
             self.faults.mark_reported();
         }
-        if self.link_errors != self.link_errors_sent && now_us >= self.link_errors_due_us {
+        if self.link_errors_changed && now_us >= self.link_errors_due_us {
             self.send_link_errors(now_us);
         }
         self.sample(inputs, outputs);
@@ -45,7 +45,7 @@ impl<const N: usize> Controller<N> {
     /// Queues LinkErrors if the outbox has room.
     pub(crate) fn send_link_errors(&mut self, now_us: u64) {
         if self.outbox.push(&self.link_errors.clone().into()) {
-            self.link_errors_sent = self.link_errors.clone();
+            self.link_errors_changed = false;
             self.link_errors_due_us = now_us.saturating_add(LINK_ERRORS_US);
         }
     }
