@@ -119,7 +119,7 @@ impl Adaptation {
         self.learned(direction).margin_us
     }
 
-    /// Actual over modelled drop of the pressure along the line behind the open valve, `0.3..=2`.
+    /// Actual over modelled drop of the pressure along the line behind the open valve, `0.3..=1`.
     pub fn line_drop(&self, direction: Direction) -> f32 {
         self.learned(direction).drop
     }
