@@ -9,7 +9,7 @@ use crate::observer::{Observation, Observer};
 use crate::pressure_loop::{LoopInput, PressureLoop};
 use crate::reference::Reference;
 use crate::relief::Relief;
-use crate::sensor::{AdcCode, Sensor, ZeroCheck};
+use crate::sensor::{AdcCode, RESTLESS_MEANS, Sensor, ZeroCheck};
 use crate::valve::{Direction, ValvePulse};
 
 /// Samples in a row above the limit that trip the over-pressure fault.
@@ -123,18 +123,22 @@ impl Channel {
         self.sensor.sample(&context.system.sensor, code);
     }
 
-    /// Averages the reading of a vented chamber; `Some` with the mean, Pa, when it is known. It is an error where it is too far off: from nothing
-    /// where the zero is `taken`, which is then set, else below the zero. Above it, air may be left in the chamber.
-    pub(crate) fn check_zero(&mut self, system: &SystemConfig, taken: bool) -> Option<Result<f32, f32>> {
-        let mean_pa = self.zero.add(self.sensor.raw_pa())?;
-        let off_pa = if taken { mean_pa.abs() } else { self.sensor.zero_pa() - mean_pa };
+    /// Averages the reading of a chamber whose vent is open; `Some` when its mean is known. It is an error, with the mean, Pa, where that is too
+    /// far off: from nothing where the zero is `taken`, which is then set, else below the zero. Above it, air may be left in the chamber.
+    /// A zero is taken of a reading that rests.
+    pub(crate) fn check_zero(&mut self, system: &SystemConfig, taken: bool) -> Option<Result<(), f32>> {
+        let mean = self.zero.add(self.sensor.raw_pa())?;
+        if taken && mean.change_pa.abs() > system.sensor.rest_limit_pa() {
+            return (mean.count >= RESTLESS_MEANS).then_some(Err(mean.mean_pa));
+        }
+        let off_pa = if taken { mean.mean_pa.abs() } else { self.sensor.zero_pa() - mean.mean_pa };
         if off_pa > system.sensor.zero_limit_pa() {
-            return Some(Err(mean_pa));
+            return Some(Err(mean.mean_pa));
         }
         if taken {
-            self.sensor.set_zero(mean_pa);
+            self.sensor.set_zero(mean.mean_pa);
         }
-        Some(Ok(mean_pa))
+        Some(Ok(()))
     }
 
     /// The pressure, Pa, once two samples in a row exceed the limit.

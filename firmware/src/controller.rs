@@ -280,6 +280,8 @@ impl<const N: usize> Controller<N> {
     fn relief(&self, now_us: u64) -> Option<Task> {
         match self.state {
             DeviceState::Running => None,
+            // A chamber at rest may hold air: its zero is that of a reading which rests while the vent is open.
+            DeviceState::Idle if self.zeros != Zeros::Checked => Some(Task::Open),
             DeviceState::Venting if self.vent_at_once => Some(Task::Open),
             DeviceState::Venting => Some(Task::Relieve),
             DeviceState::Faulted if self.faults.contains(FaultCode::EmergencyStop) => Some(Task::Open),

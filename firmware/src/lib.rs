@@ -63,6 +63,6 @@ pub use pneumatics::Pneumatics;
 pub use pressure_loop::{LoopInput, PressureLoop};
 pub use queue::{KNOTS, KnotQueue, QueueError};
 pub use reference::Reference;
-pub use sensor::{AdcCode, Sensor, SensorScale, ZeroCheck};
+pub use sensor::{AdcCode, Sensor, SensorScale};
 pub use state::{Event, TRANSITIONS, next};
 pub use valve::{Direction, TICK_US, ValvePair, ValvePulse, ValveTiming};

@@ -7,8 +7,15 @@ pub struct AdcCode(pub u16);
 /// Samples in a row outside the band before a sensor counts as implausible, and inside before it counts as plausible again.
 const DEBOUNCE_SAMPLES: u8 = 3;
 
-/// Samples averaged for the zero.
+/// Samples averaged for the zero, and those from one mean to the next: half a second.
 const ZERO_SAMPLES: u16 = 32;
+const ZERO_PERIOD: u16 = 500;
+
+/// Largest change between two means of an empty chamber: share of the sensor's span.
+const REST_LIMIT: f32 = 0.0005;
+
+/// Means after which a reading that still changes is none of a chamber that empties: those of five seconds.
+pub(crate) const RESTLESS_MEANS: u8 = 11;
 
 /// Largest zero offset that is calibrated away, and largest fall below a zero: share of the sensor's span.
 const ZERO_LIMIT: f32 = 0.03;
@@ -41,6 +48,11 @@ impl SensorScale {
     /// Largest zero offset that calibration may take away, and largest fall below a zero, Pa.
     pub fn zero_limit_pa(&self) -> f32 {
         ZERO_LIMIT * self.span_pa
+    }
+
+    /// Largest change of the reading of an empty chamber in half a second, Pa.
+    pub(crate) fn rest_limit_pa(&self) -> f32 {
+        REST_LIMIT * self.span_pa
     }
 
     fn share(&self, code: AdcCode) -> f32 {
@@ -131,29 +143,45 @@ pub(crate) enum Zeros {
     Checked,
 }
 
-/// Mean of one sensor's samples while its chamber is open to the atmosphere or at rest.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ZeroCheck {
+/// Means of one sensor's samples while its chamber is open to the atmosphere: each of 32 samples, half a second after the last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ZeroCheck {
     sum_pa: f32,
-    count: u16,
+    place: u16,
+    last: Mean,
+}
+
+/// A mean of 32 samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Mean {
+    /// Pa.
+    pub(crate) mean_pa: f32,
+    /// Difference to the mean before, Pa; infinite for the first.
+    pub(crate) change_pa: f32,
+    /// Number of means up to this one.
+    pub(crate) count: u8,
 }
 
 impl ZeroCheck {
     /// No sample yet.
-    pub const fn new() -> Self {
-        Self { sum_pa: 0.0, count: 0 }
+    pub(crate) const fn new() -> Self {
+        Self { sum_pa: 0.0, place: 0, last: Mean { mean_pa: f32::INFINITY, change_pa: 0.0, count: 0 } }
     }
 
-    /// Adds a sample; `Some(mean)` in Pa when 32 are in, and the next call begins a new mean.
-    pub fn add(&mut self, raw_pa: f32) -> Option<f32> {
-        self.sum_pa += raw_pa;
-        self.count += 1;
-        if self.count < ZERO_SAMPLES {
+    /// Adds a sample, Pa; `Some` once 32 are in.
+    pub(crate) fn add(&mut self, raw_pa: f32) -> Option<Mean> {
+        let place = self.place;
+        self.place = (place + 1) % ZERO_PERIOD;
+        if place < ZERO_SAMPLES {
+            self.sum_pa += raw_pa;
+        }
+        if place + 1 != ZERO_SAMPLES {
             return None;
         }
-        let mean = self.sum_pa / f32::from(self.count);
-        *self = Self::default();
-        Some(mean)
+        let mean_pa = core::mem::take(&mut self.sum_pa) / f32::from(ZERO_SAMPLES);
+        let change_pa = mean_pa - self.last.mean_pa;
+        self.last = Mean { mean_pa, change_pa, count: self.last.count.saturating_add(1) };
+        Some(self.last)
     }
 }
 
@@ -209,13 +237,18 @@ mod tests {
     }
 
     #[test]
-    fn zero_is_the_mean_of_32_samples() {
-        let mut check = ZeroCheck::default();
-        for _ in 0..31 {
-            assert_eq!(check.add(500.0), None);
+    fn zero_is_the_mean_of_32_samples_each_half_a_second() {
+        let mut check = ZeroCheck::new();
+        for sample in 0..1_500 {
+            let mean = check.add(if sample < 500 { 500.0 } else { 450.0 });
+            let expected = match sample {
+                31 => Some((500.0, f32::NEG_INFINITY, 1)),
+                531 => Some((450.0, -50.0, 2)),
+                1_031 => Some((450.0, 0.0, 3)),
+                _ => None,
+            };
+            assert_eq!(mean.map(|mean| (mean.mean_pa, mean.change_pa, mean.count)), expected, "{sample}");
         }
-        assert_eq!(check.add(500.0), Some(500.0));
-        assert_eq!(check.add(1.0), None);
         let mut sensor = settled(2000);
         let before = sensor.pressure_pa();
         sensor.set_zero(500.0);

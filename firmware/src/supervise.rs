@@ -259,15 +259,18 @@ impl<const N: usize> Controller<N> {
         let mut checks = channels.map(|(channel, _)| channel.check_zero(&config.system, taken));
         // All channels have taken the same number of samples, so all means come in the same tick.
         let mut worst = None;
-        let mut finished = false;
+        let mut finished = true;
         for (index, check) in checks.by_ref().enumerate() {
-            finished |= check.is_some();
-            if let Some(Err(offset_pa)) = check {
-                worst.get_or_insert((index as u8, offset_pa as i32));
+            match check {
+                Some(Ok(())) => {}
+                Some(Err(offset_pa)) => {
+                    worst.get_or_insert((index as u8, offset_pa as i32));
+                }
+                None => finished = false,
             }
         }
         match worst {
-            // Not a latching fault: venting may take the offset away, and idle allows it.
+            // Not a latching fault: air may still leave, and idle allows it.
             Some((channel, value)) => {
                 let code = FaultCode::SensorImplausible;
                 self.faults.raise(Occurrence { time_us: now_us, code, channel, value });

@@ -82,7 +82,7 @@ fn air_leaves_after_a_crash_whatever_the_host_sends_and_the_device_is_ready_only
     }
     assert_eq!(bench.tick(), TickOutputs::SAFE);
     bench.configure(&crate::common::system(), &crate::common::channels(&[SetpointKind::Pressure]));
-    bench.ticks(50);
+    bench.ticks(550);
     assert_eq!(bench.controller.state(), DeviceState::Ready);
 }
 

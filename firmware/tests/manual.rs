@@ -133,14 +133,21 @@ fn impossible_pulse_is_refused_by_its_field() {
 }
 
 #[test]
-fn zero_is_the_mean_of_32_new_samples() {
+fn zero_is_the_mean_of_new_samples_with_the_vents_open() {
     let mut bench = Bench::ready(&TWO);
     bench.pressure_pa[1] = 5e3;
     bench.ticks(10);
     assert!((bench.controller.channel(1).unwrap().pressure_pa() - 5e3).abs() < 50.0);
     assert_eq!(bench.command(CommandCode::Zero).result, ResultCode::Ok);
     assert_eq!(bench.controller.state(), DeviceState::Idle);
-    assert_eq!(bench.ticks_until(DeviceState::Ready, 100), 32);
+    for tick in 1..532 {
+        let outputs = bench.tick();
+        assert_eq!(bench.controller.state(), DeviceState::Idle, "tick {tick}");
+        assert_eq!(outputs.valves[..2], [ValvePulse::VENTING; 2], "tick {tick}");
+        assert!(!outputs.supply_open);
+    }
+    assert_eq!(bench.tick().valves[..2], [ValvePulse::CLOSED; 2]);
+    assert_eq!(bench.controller.state(), DeviceState::Ready);
     assert!(bench.controller.channel(1).unwrap().pressure_pa().abs() < 50.0);
     bench.pressure_pa[1] = 0.0;
     bench.tick();

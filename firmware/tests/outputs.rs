@@ -84,7 +84,7 @@ fn output_stays_through_venting_a_new_session_and_a_new_configuration() {
     bench.hello();
     bench.configure(&crate::common::system(), &crate::common::channels(&PRESSURE));
     assert_eq!(bench.controller.state(), DeviceState::Idle);
-    bench.ticks_until(DeviceState::Ready, 100);
+    bench.ticks_until(DeviceState::Ready, 600);
     assert_eq!(bench.tick().digital, Outputs::GRIPPER);
     assert_eq!(bench.set_outputs(OFF).result, ResultCode::Ok);
     assert_eq!(bench.tick().digital, OFF);

@@ -254,10 +254,11 @@ def session(schema_hash):
         yield name, seq, values
         yield answer(name, seq)
     # By hand: the zeros, a valve, its chamber vented, the gripper.
-    yield telemetry(1, next_index=0, free_knots=64)
+    yield telemetry(0, next_index=0, free_knots=64)
+    yield telemetry(1, 600_000, next_index=0, free_knots=64)
     yield from command(6, 8)
     yield telemetry(0, next_index=0, free_knots=64)
-    yield telemetry(1, next_index=0, free_knots=64)
+    yield telemetry(1, 600_000, next_index=0, free_knots=64)
     yield from request("ManualPulse", 9)
     yield telemetry(3, next_index=0, free_knots=64)
     yield from command(2, 10)
@@ -270,7 +271,7 @@ def session(schema_hash):
     yield "LinkErrors", next(device_seq), TYPICAL["LinkErrors"]
     yield answer("ReadLinkErrors", 14)
     # A run that closes the gripper with its last knot.
-    start_us = 3_000_000
+    start_us = 5_000_000
     setpoint = TYPICAL["Setpoint"] | {"time_us": start_us}
     yield "Setpoint", 0, setpoint
     yield answer("Setpoint", 0, 63)

@@ -60,7 +60,7 @@ impl Bench {
         let mut bench = Self::new();
         bench.hello();
         bench.configure(&system(), &channels(kinds));
-        bench.ticks(50);
+        bench.ticks(550);
         assert_eq!(bench.controller.state(), DeviceState::Ready);
         bench
     }

@@ -16,7 +16,7 @@ const AHEAD: u32 = 52;
 const FRAME_TURNS: u64 = FRAME as u64 * KNOT_US as u64 / TICK_US as u64;
 
 /// Turns until a device with good sensors is ready, at most.
-const TURNS_UNTIL_READY: usize = 200;
+const TURNS_UNTIL_READY: usize = 700;
 
 /// Turns that are counted: a round of the trajectory, and half a second of garbage.
 const TURNS: u64 = 1_600;
