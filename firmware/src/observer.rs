@@ -210,9 +210,9 @@ impl Observer {
         *self = Self { fill, vent, ..Self::new() };
     }
 
-    /// Whether the code stays the same. The reading of a frozen sensor tells nothing.
+    /// Whether the code is that of the last look. The reading of a frozen sensor tells nothing.
     pub(crate) fn is_unchanged(&self) -> bool {
-        self.unchanged_pa > 0.0 || self.same_looks >= STILL_LOOKS
+        self.same_looks > 0
     }
 
     /// Takes the coil times of one tick.

@@ -147,8 +147,9 @@ pub(crate) enum Zeros {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ZeroCheck {
     sum_pa: f32,
+    mean_pa: f32,
     place: u16,
-    last: Mean,
+    means: u8,
 }
 
 /// A mean of 32 samples.
@@ -165,7 +166,7 @@ pub(crate) struct Mean {
 impl ZeroCheck {
     /// No sample yet.
     pub(crate) const fn new() -> Self {
-        Self { sum_pa: 0.0, place: 0, last: Mean { mean_pa: f32::INFINITY, change_pa: 0.0, count: 0 } }
+        Self { sum_pa: 0.0, mean_pa: f32::INFINITY, place: 0, means: 0 }
     }
 
     /// Adds a sample, Pa; `Some` once 32 are in.
@@ -179,9 +180,9 @@ impl ZeroCheck {
             return None;
         }
         let mean_pa = core::mem::take(&mut self.sum_pa) / f32::from(ZERO_SAMPLES);
-        let change_pa = mean_pa - self.last.mean_pa;
-        self.last = Mean { mean_pa, change_pa, count: self.last.count.saturating_add(1) };
-        Some(self.last)
+        let before_pa = core::mem::replace(&mut self.mean_pa, mean_pa);
+        self.means = self.means.saturating_add(1);
+        Some(Mean { mean_pa, change_pa: mean_pa - before_pa, count: self.means })
     }
 }
 

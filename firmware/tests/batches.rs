@@ -80,7 +80,7 @@ fn value_beyond_32_bits_is_out_of_range() {
     let mut channels = crate::common::channels(&[SetpointKind::Pressure]);
     (channels[0].setpoint_min, channels[0].setpoint_max) = (i32::MIN, i32::MAX);
     bench.configure(&crate::common::system(), &channels);
-    bench.ticks(50);
+    bench.ticks(550);
     bench.setpoint(0, bench.now_us + 100_000, &[i32::MAX]);
     let ack = bench.request(&knots(1, &[step(1_000, OFF, &[1])]));
     assert_eq!((ack.result.known(), ack.detail), (Some(ResultCode::OutOfRange), 0));
@@ -241,15 +241,15 @@ fn ticks_requested_before_a_configuration_come_from_its_first_tick_on() {
     bench.configure(&crate::common::system(), &channels);
     let begin_us = bench.now_us;
     let mut expected = Vec::new();
-    for tick in 0..120_u16 {
+    for tick in 0..640_u16 {
         // Within the plausible band; the stop is pressed in the last ticks.
         (bench.code[0], bench.code[1]) = (Some(410 + tick % 3), Some(411));
-        bench.emergency_stop = tick >= 115;
-        if tick == 60 {
+        bench.emergency_stop = tick >= 635;
+        if tick == 580 {
             assert_eq!(bench.pulse(1, PulseDirection::Fill, 20_000).result, ResultCode::Ok);
         }
         let outputs = bench.tick();
-        let flags = if tick >= 115 { TickFlags::EMERGENCY_STOP } else { TickFlags::default() };
+        let flags = if tick >= 635 { TickFlags::EMERGENCY_STOP } else { TickFlags::default() };
         expected.push(([410 + tick % 3, 411], flags, outputs_crc(&outputs, 2)));
     }
     let mut found = Vec::new();
@@ -258,8 +258,8 @@ fn ticks_requested_before_a_configuration_come_from_its_first_tick_on() {
         found.extend(message.ticks.iter().map(|tick| ([tick.codes[0], tick.codes[1]], tick.flags, tick.outputs_crc)));
     }
     assert_eq!(found, expected);
-    let of_pulse = found[61].2;
-    assert!(found[..60].iter().all(|tick| tick.2 != of_pulse), "the coil of the pulse is in the checksum");
+    let of_pulse = found[581].2;
+    assert!(found[..580].iter().all(|tick| tick.2 != of_pulse), "the coil of the pulse is in the checksum");
     // A later configuration does not end them, a request and another session do.
     bench.emergency_stop = false;
     bench.command(CommandCode::ClearFaults);

@@ -166,7 +166,7 @@ fn every_motion_gets_the_pressure_that_the_model_in_f64_bends_it_with() {
     bench.hello();
     bench.configure(&crate::common::system(), &wires);
     bench.attach(4, 0.0);
-    bench.ticks(50);
+    bench.ticks(550);
     let first_us = bench.now_us + 20_000;
     const TOP_PA: f64 = 24e3;
     for index in 0..60_u32 {

@@ -107,7 +107,7 @@ fn fault_keeps_the_pressure_without_limit_where_the_policy_is_to_hold() {
     bench.hello();
     let system = ConfigSystem { link_loss_policy: LinkLossPolicy::Hold.into(), ..crate::common::system() };
     bench.configure(&system, &crate::common::channels(&[SetpointKind::Pressure]));
-    bench.ticks(50);
+    bench.ticks(550);
     bench.supply_pa = 231e3;
     bench.ticks_until(DeviceState::Faulted, 20);
     bench.pressure_pa[0] = 60e3;
@@ -179,7 +179,7 @@ fn deformation_that_no_pressure_reaches_keeps_the_last_pressure_and_then_faults(
     bench.hello();
     bench.configure(&crate::common::system(), &[channel]);
     bench.attach(1, 0.0);
-    bench.ticks(50);
+    bench.ticks(550);
     let first_us = bench.now_us + 20_000;
     // No wall of 5 mm is left of it at a stretch of 50.
     for (index, value) in [1_020_000, 1_020_000, 1_020_000, 50_000_000, 50_000_000].into_iter().enumerate() {

@@ -10,7 +10,7 @@ fn policy(policy: LinkLossPolicy) -> Bench {
     bench.hello();
     let system = ConfigSystem { link_loss_policy: policy.into(), hold_time_us: 500_000, ..system() };
     bench.configure(&system, &crate::common::channels(&[SetpointKind::Pressure]));
-    bench.ticks(50);
+    bench.ticks(550);
     let first_us = bench.now_us + 1_000;
     for index in 0..25 {
         bench.setpoint(index, first_us + u64::from(index) * 20_000, &[50_000]);

@@ -16,6 +16,9 @@ pub const SESSION: u16 = 0x51AB;
 const ANSWER_US: u64 = 8_000;
 const ANSWER_MAX_US: u64 = 2_000_000;
 
+/// Longest time until a configured device is ready, us: it names a reading that does not come to rest by then.
+const READY_MAX_US: u64 = 5_200_000;
+
 /// `channels` bending actuators of about 80 mL on a pump and a reservoir.
 pub fn settings(channels: usize) -> SimSettings {
     let actuator = ActuatorParameters {
@@ -98,8 +101,12 @@ impl<P: Processor> Host<P> {
     /// Opens a session, configures `channels` pressure channels, waits until the device is ready.
     pub fn get_ready(&mut self, channels: usize, kind: SetpointKind) {
         self.configure(channels, kind);
-        self.wait(60_000);
-        assert_eq!(self.telemetry().last().map(|telemetry| telemetry.state), Some(DeviceState::Ready.into()));
+        let is_ready = |host: &Self| host.telemetry().last().is_some_and(|last| last.state.known() == Some(DeviceState::Ready));
+        let until_us = self.mcu.now_us() + READY_MAX_US;
+        while !is_ready(self) {
+            assert!(self.mcu.now_us() < until_us, "{:?}", self.telemetry().last());
+            self.wait(20_000);
+        }
     }
 
     /// Opens a session and configures `channels` pressure channels.

@@ -24,7 +24,8 @@ pub struct StreamOptions<'a> {
     pub silence_max_us: u64,
     /// Longest time to wait for a device whose last host is silent, but not yet for long enough to be followed by another.
     pub occupied_max_us: u64,
-    /// Longest time of a configured device to find its sensors plausible.
+    /// Longest time of a configured device to find its sensors plausible and to take their zeros. After 5 s it names a reading that does not
+    /// come to rest.
     pub ready_max_us: u64,
     /// Longest time of the reservoir to reach the configuration's lowest supply pressure.
     pub supply_max_us: u64,
@@ -58,7 +59,7 @@ impl StreamOptions<'_> {
             sampling: None,
             silence_max_us: 1_000_000,
             occupied_max_us: 0,
-            ready_max_us: 2_000_000,
+            ready_max_us: 6_000_000,
             supply_max_us: 120_000_000,
             lead_us: 300_000,
             attempts_max: 5,
