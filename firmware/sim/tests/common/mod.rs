@@ -101,7 +101,8 @@ impl<P: Processor> Host<P> {
     /// Opens a session, configures `channels` pressure channels, waits until the device is ready.
     pub fn get_ready(&mut self, channels: usize, kind: SetpointKind) {
         self.configure(channels, kind);
-        let is_ready = |host: &Self| host.telemetry().last().is_some_and(|last| last.state.known() == Some(DeviceState::Ready));
+        let is_ready =
+            |host: &Self| host.telemetry().last().is_some_and(|last| last.state.known() == Some(DeviceState::Ready));
         let until_us = self.mcu.now_us() + READY_MAX_US;
         while !is_ready(self) {
             assert!(self.mcu.now_us() < until_us, "{:?}", self.telemetry().last());
