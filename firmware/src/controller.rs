@@ -281,7 +281,7 @@ impl<const N: usize> Controller<N> {
         match self.state {
             DeviceState::Running => None,
             // A chamber at rest may hold air: its zero is that of a reading which rests while the vent is open.
-            DeviceState::Idle if self.zeros != Zeros::Checked => Some(Task::Open),
+            DeviceState::Idle if self.zeros != Zeros::Checked && self.has_plausible_sensors() => Some(Task::Open),
             DeviceState::Venting if self.vent_at_once => Some(Task::Open),
             DeviceState::Venting => Some(Task::Relieve),
             DeviceState::Faulted if self.faults.contains(FaultCode::EmergencyStop) => Some(Task::Open),

@@ -77,7 +77,7 @@ impl<const N: usize> Controller<N> {
             return self.stop_pressed.then_some(FaultCode::EmergencyStop);
         };
         let mut channels = self.channels.iter().zip(&config.channels);
-        let implausible = self.supply.is_implausible() || self.any_sensor_implausible();
+        let implausible = !self.has_plausible_sensors();
         let over = channels.any(|(channel, config)| channel.pressure_pa() > config.pressure_max_pa);
         [
             (self.stop_pressed, FaultCode::EmergencyStop),
@@ -89,9 +89,11 @@ impl<const N: usize> Controller<N> {
         .find_map(|(stands, code)| stands.then_some(code))
     }
 
-    fn any_sensor_implausible(&self) -> bool {
+    /// Whether those of the supply and of every channel are plausible.
+    pub(crate) fn has_plausible_sensors(&self) -> bool {
         let count = self.config.as_ref().map_or(0, |config| config.channels.len());
-        self.channels.iter().take(count).any(|channel| channel.sensor().is_implausible())
+        !self.supply.is_implausible()
+            && !self.channels.iter().take(count).any(|channel| channel.sensor().is_implausible())
     }
 
     fn watch_ticks(&mut self, now_us: u64) {
@@ -241,7 +243,7 @@ impl<const N: usize> Controller<N> {
         if self.state != DeviceState::Idle || self.config.is_none() {
             return;
         }
-        if self.supply.is_implausible() || self.any_sensor_implausible() {
+        if !self.has_plausible_sensors() {
             return;
         }
         if self.zeros != Zeros::Checked {

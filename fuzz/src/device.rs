@@ -27,6 +27,8 @@ const KNOT_US: u64 = 100_000;
 /// Shortest step in time, us: slow enough for the largest step of 16 bits.
 const STEP_US: u16 = 24_000;
 const TICK_US: u64 = 1_000;
+/// Ticks in which a configured device takes its zeros.
+const READY_TICKS: u64 = 550;
 
 /// Damages the frames of a session, up to a number of faults or the end of the draw.
 ///
@@ -87,7 +89,7 @@ impl Bench {
         let (upload, config_hash) = upload();
         upload.iter().for_each(|part| bench.accept(part));
         bench.config_hash = config_hash;
-        (0..ROUND).for_each(|_| bench.tick());
+        (0..READY_TICKS).for_each(|_| bench.tick());
         bench.check();
         bench
     }
