@@ -30,7 +30,7 @@ fn settings(scene: &Scene, iterations: u32, runs: u32) -> Settings {
 
 /// Drawn limbs of a group, each with noise of its own. One of them is half as far off as another.
 const LIMBS: u32 = 20;
-const LIMBS_LEAST: u32 = 7;
+const LIMBS_LEAST: u32 = 5;
 
 /// The paper's best group has 0.27 mm RMSE and 0.46 mm at most.
 fn hits_its_targets(text: &str) {
