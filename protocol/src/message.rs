@@ -25,7 +25,7 @@ interface! {
     codes {
         /// State of the device.
         DeviceState {
-            /// Not configured, or sensors not yet found plausible; valves closed, supply cut.
+            /// Not configured, or zeros not yet taken; supply cut, vents open while they are taken.
             Idle = 0,
             /// Configured, sensors plausible, valves closed.
             Ready = 1,

@@ -28,7 +28,7 @@ fn settings(scene: &Scene, iterations: u32, runs: u32) -> Settings {
     Settings { limb: scene.seed(), noise: 1, iterations, runs, camera_noise_m: 0.2e-3 }
 }
 
-/// Drawn limbs of a group, each with noise of its own. One of them is half as far off as another.
+/// Number of drawn limbs of a group, each with noise of its own, with whole samples and at least. Their errors differ by a factor of two.
 const LIMBS: u32 = 20;
 const LIMBS_LEAST: u32 = 5;
 

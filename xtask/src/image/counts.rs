@@ -74,8 +74,8 @@ pub(super) fn converted(rows: Vec<Row>) -> Result<Vec<Row>, String> {
     Ok(rows.map(|row| Row { cost: cost(row), cycles: less(row.cycles, nothing.1), ..row.clone() }).collect())
 }
 
-/// The rows with the cycles of the record, if the same compiler made it and every question takes the recorded number of instructions: they
-/// are the same instructions then.
+/// The rows with the cycles of the record, if the same compiler made it and every question takes the recorded number of instructions, which
+/// are then taken for the recorded ones.
 ///
 /// # Errors
 /// The record cannot be read.
