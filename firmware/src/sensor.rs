@@ -14,7 +14,7 @@ const ZERO_PERIOD: u16 = 500;
 /// Largest change between two means of an empty chamber: share of the sensor's span.
 const REST_LIMIT: f32 = 0.0005;
 
-/// Means after which a reading that still changes is none of a chamber that empties: those of five seconds.
+/// Number of means, taken over five seconds, from which on a reading that still changes is an error.
 pub(crate) const RESTLESS_MEANS: u8 = 11;
 
 /// Largest zero offset that is calibrated away, and largest fall below a zero: share of the sensor's span.
@@ -143,7 +143,7 @@ pub(crate) enum Zeros {
     Checked,
 }
 
-/// Means of one sensor's samples while its chamber is open to the atmosphere: each of 32 samples, half a second after the last.
+/// Means of one sensor's samples while its chamber is open to the atmosphere: one of 32 samples every half second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ZeroCheck {
     sum_pa: f32,
