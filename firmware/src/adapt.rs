@@ -156,6 +156,12 @@ impl Adaptation {
         }
     }
 
+    /// Takes the integral of an error as a drift, Pa/s, that lets the pressure fall short.
+    pub(crate) fn integrate(&mut self, lacking_pa_per_s: f32) {
+        let drift = self.drift_pa_per_s - lacking_pa_per_s;
+        self.drift_pa_per_s = drift.clamp(-DRIFT_MAX_PA_PER_S, DRIFT_MAX_PA_PER_S);
+    }
+
     /// A short pulse has not opened its valve.
     pub(crate) fn missed(&mut self, direction: Direction) {
         let learned = self.learned_mut(direction);

@@ -1,6 +1,6 @@
 //! One channel from sample to coil times.
 
-use softlimb_protocol::FaultCode;
+use softlimb_protocol::{FaultCode, PressureLoopKind};
 
 use crate::config::{ChannelConfig, SystemConfig};
 use crate::duty::Duty;
@@ -306,30 +306,45 @@ impl Channel {
         self.decision_due = true;
     }
 
-    /// Decides when the sample is fit for it and half of the period is left, and cuts the pulse into ticks.
+    /// Decides by the loop of the configuration, and cuts the pulse into ticks. What only lets air out, and a reading that is not trusted, take
+    /// the predicted pulses.
     fn pulse(&mut self, context: &TickContext, config: &ChannelConfig, may_fill: bool) -> ValvePulse {
-        let pneumatics = &context.system.pneumatics;
-        self.control.sample(context.now_us, pneumatics.timing, self.sensor.pressure_pa());
-        if let Some(reference) = self.reference
-            && self.decision_due
-            && reference.rest_us(context.now_us) >= reference.period_us / 2
-            && self.control.is_due(context.now_us, pneumatics.timing, self.sensor.step_pa(), &reference)
-        {
-            self.decision_due = false;
-            let input = LoopInput {
-                now_us: context.now_us,
-                sensor_pa: self.pressure_pa(),
-                sensor_step_pa: self.sensor.step_pa(),
-                sensor_trusted: self.is_sensor_trusted(),
-                supply_pa: context.supply_pa,
-                pressure_max_pa: config.pressure_max_pa,
-                may_fill,
-                chamber: &self.inverse.chamber(config),
-                pneumatics,
-            };
-            self.control.decide(&input, &reference);
+        let (now_us, pneumatics) = (context.now_us, &context.system.pneumatics);
+        self.control.sample(now_us, pneumatics.timing, self.sensor.pressure_pa());
+        if let Some(reference) = self.reference {
+            let trusted = self.is_sensor_trusted();
+            let is_chosen = |kind: PressureLoopKind| may_fill && trusted && context.system.pressure_loop == kind;
+            if is_chosen(PressureLoopKind::OnOff) {
+                self.control.decide_on_off(now_us, self.pressure_pa(), &reference);
+            } else if self.is_decision_due(context, &reference) {
+                self.decision_due = false;
+                let input = LoopInput {
+                    now_us,
+                    sensor_pa: self.pressure_pa(),
+                    sensor_step_pa: self.sensor.step_pa(),
+                    sensor_trusted: trusted,
+                    supply_pa: context.supply_pa,
+                    pressure_max_pa: config.pressure_max_pa,
+                    may_fill,
+                    chamber: &self.inverse.chamber(config),
+                    pneumatics,
+                };
+                if is_chosen(PressureLoopKind::ProportionalIntegral) {
+                    self.control.decide_proportional_integral(&input, &reference);
+                } else {
+                    self.control.decide(&input, &reference);
+                }
+            }
         }
-        self.control.valves_mut().tick(context.now_us)
+        self.control.valves_mut().tick(now_us)
+    }
+
+    /// Whether the sample is fit for the decision of the period, and half of the period is left.
+    fn is_decision_due(&self, context: &TickContext, reference: &Reference) -> bool {
+        let (now_us, timing) = (context.now_us, context.system.pneumatics.timing);
+        self.decision_due
+            && reference.rest_us(now_us) >= reference.period_us / 2
+            && self.control.is_due(now_us, timing, self.sensor.step_pa(), reference)
     }
 
     /// Largest reading of the manifold above the chamber, Pa: the line drop while filling and until it has settled.

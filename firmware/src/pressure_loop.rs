@@ -4,6 +4,8 @@
 //! (preview), the flow through valve and line at present pressures, and the chamber's volume and compliance. Gains per direction
 //! and a drift are learned from what the last pulse did. A move that needs more than one period keeps the valve open.
 
+mod plain;
+
 use crate::adapt::{Adaptation, Effect};
 use crate::air_balance::{AirBalance, Measurement};
 use crate::fine_regulation::{FineRegulation, Pair};

@@ -54,7 +54,7 @@ fn every_system_field_is_checked_and_named() {
         supply_sensor_max_pa: NOT_A_NUMBER,
         adc_full_scale: [0],
     ];
-    assert_eq!(cases.len() + 2, ConfigSystem::FIELDS.len(), "session and policy have tests of their own");
+    assert_eq!(cases.len() + 3, ConfigSystem::FIELDS.len(), "session and codes have tests of their own");
     for (field, variants) in cases {
         for variant in variants {
             let (ack, _) = offer(&variant, &channel(0, SetpointKind::BendAngle));
@@ -110,10 +110,14 @@ fn parameters_that_the_model_refuses_are_named_by_the_wires_field() {
 #[test]
 fn unknown_codes_are_named() {
     let base = || channel(0, SetpointKind::BendAngle);
-    let policy = ConfigSystem { link_loss_policy: Code::from_raw(3), ..system() };
-    let (ack, _) = offer(&policy, &base());
-    let wanted = ConfigSystem::field_number("link_loss_policy").unwrap();
-    assert_eq!((ack.result.known(), ack.detail), (Some(ResultCode::UnknownCode), wanted));
+    for (field, variant) in [
+        ("link_loss_policy", ConfigSystem { link_loss_policy: Code::from_raw(3), ..system() }),
+        ("pressure_loop", ConfigSystem { pressure_loop: Code::from_raw(3), ..system() }),
+    ] {
+        let (ack, _) = offer(&variant, &base());
+        let wanted = ConfigSystem::field_number(field).unwrap();
+        assert_eq!((ack.result.known(), ack.detail), (Some(ResultCode::UnknownCode), wanted), "{field}");
+    }
     for (field, variant) in [
         ("motion", ConfigChannel { motion: Code::from_raw(9), ..base() }),
         ("setpoint_kind", ConfigChannel { setpoint_kind: Code::from_raw(9), ..base() }),

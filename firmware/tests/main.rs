@@ -12,6 +12,7 @@ mod link_errors;
 mod link_loss;
 mod manual;
 mod outputs;
+mod plain_loops;
 mod pressure_tracking;
 mod sessions;
 mod spec;

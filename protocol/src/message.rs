@@ -71,6 +71,16 @@ interface! {
             Vent = 2,
         }
 
+        /// How the pressure of a channel follows its reference while the device is Running.
+        PressureLoopKind {
+            /// Predicted pulses: by the model of valve and chamber, with gains that the device learns.
+            Pulses = 0,
+            /// Pulses of a PI controller with feed-forward, by the model alone.
+            ProportionalIntegral = 1,
+            /// A valve is open while the reading is more than a dead band off.
+            OnOff = 2,
+        }
+
         /// Motion of an actuator under pressure.
         MotionKind {
             /// Lengthens.
@@ -376,6 +386,8 @@ interface! {
             supply_sensor_max_pa: f32,
             /// ADC code at 100 % of the sensor supply.
             adc_full_scale: u16,
+            /// Pressure loop of the channels.
+            pressure_loop: Code<PressureLoopKind>,
         }
 
         /// One channel: its actuator, its limits and the meaning of its setpoint.

@@ -123,6 +123,7 @@ fn field_numbers_count_from_the_session() {
     assert_eq!(ConfigSystem::field_number("session"), Some(0));
     assert_eq!(ConfigSystem::field_number("vent_ramp_pa_per_s"), Some(6));
     assert_eq!(ConfigSystem::field_number("adc_full_scale"), Some(20));
+    assert_eq!(ConfigSystem::field_number("pressure_loop"), Some(21));
     assert_eq!(ConfigChannel::field_number("setpoint_max"), Some(20));
     assert_eq!(ConfigChannel::field_number("setpoint_ma"), None);
 }

@@ -109,6 +109,7 @@ fn system_fields(m: &ConfigSystem) -> Value {
         "supply_sensor_min_pa": number(m.supply_sensor_min_pa),
         "supply_sensor_max_pa": number(m.supply_sensor_max_pa),
         "adc_full_scale": m.adc_full_scale,
+        "pressure_loop": m.pressure_loop.raw(),
     })
 }
 

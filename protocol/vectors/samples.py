@@ -11,6 +11,7 @@ SYSTEM = {
     "valve_conductance_m3_per_s_pa": 1.44e-9, "valve_critical_ratio": 0.3, "valve_on_delay_us": 3500,
     "valve_off_delay_us": 2000, "line_conductance_m3_per_s_pa": 3.78e-9, "sensor_min_pa": 0.0,
     "sensor_max_pa": 206_843.0, "supply_sensor_min_pa": 0.0, "supply_sensor_max_pa": 689_476.0, "adc_full_scale": 4095,
+    "pressure_loop": 1,
 }
 CHANNEL = {
     "session": 7, "channel": 0, "motion": 2, "setpoint_kind": 5, "law": 0, "families": 2, "placement": 0,
@@ -122,6 +123,7 @@ def every_code():
     """Each code of each set that a message carries, and the first one behind the set."""
     for title, name, base, field, count in (
         ("policy", "ConfigSystem", SYSTEM, "link_loss_policy", 3),
+        ("pressure loop", "ConfigSystem", SYSTEM, "pressure_loop", 3),
         ("setpoint kind", "ConfigChannel", CHANNEL, "setpoint_kind", 6),
         ("law", "ConfigChannel", CHANNEL, "law", 2),
         ("fiber families", "ConfigChannel", CHANNEL, "families", 3),

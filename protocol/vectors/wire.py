@@ -11,7 +11,7 @@ HOST = {
            "link_loss_policy:B vent_ramp_pa_per_s:f supply_min_pa:f supply_max_pa:f atmosphere_pa:f temperature_k:f "
            "valve_conductance_m3_per_s_pa:f valve_critical_ratio:f valve_on_delay_us:I valve_off_delay_us:I "
            "line_conductance_m3_per_s_pa:f sensor_min_pa:f sensor_max_pa:f supply_sensor_min_pa:f "
-           "supply_sensor_max_pa:f adc_full_scale:H"),
+           "supply_sensor_max_pa:f adc_full_scale:H pressure_loop:B"),
     0x05: ("ConfigChannel", "session:H channel:B motion:B setpoint_kind:B law:B families:B placement:B "
            "inner_radius_m:f outer_radius_m:f length_m:f c_pa_1:f c_pa_2:f c_pa_3:f fiber_angle_rad:f "
            "fiber_modulus_pa:f fiber_thickness_m:f fiber_radius_m:f pressure_max_pa:f dead_volume_m3:f "

@@ -9,7 +9,7 @@ use softlimb_motion::ModuleInverse;
 use softlimb_motion::inverse_table as table;
 use softlimb_protocol::{
     ConfigChannel, ConfigInverse, ConfigSystem, ConfigVolume, FiberPlacement, LinkLossPolicy, MaterialLaw, MotionKind,
-    SetpointKind,
+    PressureLoopKind, SetpointKind,
 };
 
 /// Gauge pressure above which a channel is vented, Pa.
@@ -169,5 +169,6 @@ pub(crate) fn system() -> ConfigSystem {
         supply_sensor_min_pa: 0.0,
         supply_sensor_max_pa: 689_476.0,
         adc_full_scale: 4095,
+        pressure_loop: PressureLoopKind::Pulses.into(),
     }
 }

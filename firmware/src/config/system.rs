@@ -1,6 +1,6 @@
 //! The part of the configuration that all channels share.
 
-use softlimb_protocol::{Code, ConfigSystem, LinkLossPolicy};
+use softlimb_protocol::{Code, ConfigSystem, LinkLossPolicy, PressureLoopKind};
 
 use super::{ConfigError, known, number, within};
 use crate::flow::Orifice;
@@ -36,6 +36,8 @@ pub struct SystemConfig {
     pub supply_sensor: SensorScale,
     /// Highest gauge pressure that the channel sensors measure, Pa.
     pub sensor_max_pa: f32,
+    /// How pressures follow their references in Running; one that is known.
+    pub pressure_loop: Code<PressureLoopKind>,
 }
 
 impl SystemConfig {
@@ -86,6 +88,7 @@ impl TryFrom<&ConfigSystem> for SystemConfig {
             sensor: SensorScale::new(sensor_min_pa, sensor_max_pa, full_scale),
             supply_sensor: SensorScale::new(supply_sensor_min_pa, supply_sensor_max_pa, full_scale),
             sensor_max_pa,
+            pressure_loop: known(number!(ConfigSystem, "pressure_loop"), wire.pressure_loop)?.into(),
         })
     }
 }

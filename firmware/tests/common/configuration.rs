@@ -1,6 +1,6 @@
 //! The system of a device on a bench, for every crate that sets one up.
 
-use softlimb_protocol::{ConfigSystem, LinkLossPolicy};
+use softlimb_protocol::{ConfigSystem, LinkLossPolicy, PressureLoopKind};
 
 /// Highest pressures of the sensors of the channels and of the supply, gauge Pa.
 pub(crate) const SENSOR_MAX_PA: f32 = 206_843.0;
@@ -29,5 +29,6 @@ pub(crate) fn system(session: u16) -> ConfigSystem {
         supply_sensor_min_pa: 0.0,
         supply_sensor_max_pa: SUPPLY_SENSOR_MAX_PA,
         adc_full_scale: 4095,
+        pressure_loop: PressureLoopKind::Pulses.into(),
     }
 }

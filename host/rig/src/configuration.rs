@@ -3,12 +3,13 @@
 use fra_model::{ActuatorParameters, Families, Material, Motion, Placement};
 use softlimb_protocol::{
     ConfigChannel, ConfigInverse, ConfigSystem, ConfigVolume, FiberPlacement, LinkLossPolicy, MaterialLaw, MotionKind,
+    PressureLoopKind,
 };
 
 use crate::link::DeviceConfiguration;
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_motion::{ModuleInverse, dead_volume_m3, line_conductance_m3_per_s_pa, to_wire, wire_kind};
-use softlimb_scene::{LinkLoss, Scene};
+use softlimb_scene::{LinkLoss, PressureLoop, Scene};
 
 /// Room left beyond the limits of setpoints for the rounding to wire units, wire units.
 const SETPOINT_MARGIN: i32 = 2;
@@ -64,6 +65,12 @@ fn system(scene: &Scene) -> ConfigSystem {
         supply_sensor_min_pa: 0.0,
         supply_sensor_max_pa: plant.sensor.supply_full_scale_pa as f32,
         adc_full_scale: plant.sensor.adc_full_scale(),
+        pressure_loop: match controller.pressure_loop {
+            PressureLoop::Pulses => PressureLoopKind::Pulses,
+            PressureLoop::ProportionalIntegral => PressureLoopKind::ProportionalIntegral,
+            PressureLoop::OnOff => PressureLoopKind::OnOff,
+        }
+        .into(),
     }
 }
 

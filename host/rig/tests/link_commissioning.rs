@@ -45,6 +45,22 @@ fn healthy_device_passes_every_step() {
 }
 
 #[test]
+fn channel_takes_ten_seconds_and_two_hundred_millilitres_of_air() {
+    let spent = |channels| {
+        let mut mcu = device(&settings(channels));
+        let options = StreamOptions::new(SESSION);
+        let steps = commission(&mut mcu, &configuration(channels), &options, &mut |_| ());
+        assert!(steps.iter().all(|step| step.verdict == Verdict::Passed), "{steps:?}");
+        // At the density of ISO 8778.
+        let air_ml = mcu.truth().channels.iter().map(|channel| channel.air_used_kg / 1.185 * 1e6).fold(0.0, f64::max);
+        (mcu.now_us() as f64 * 1e-6, air_ml)
+    };
+    let ((one_s, _), (two_s, air_ml)) = (spent(1), spent(2));
+    println!("{:.1} s and at most {air_ml:.0} mL for each channel", two_s - one_s);
+    assert!(two_s - one_s <= 10.0 && air_ml <= 200.0, "{one_s} s, {two_s} s, {air_ml} mL");
+}
+
+#[test]
 fn dead_sensor_is_named_and_nothing_is_filled() {
     let (failed, _) = finds(PartFault::SensorOpen, StepKind::Sensor, "implausible");
     assert_eq!(failed, [(StepKind::Sensor, Some(1))]);
@@ -68,6 +84,8 @@ fn valves_that_stay_closed_and_exchanged_plugs_are_found() {
     assert_eq!((failed, first_passed), (vec![(StepKind::Fill, Some(1))], true));
     let (failed, first_passed) = finds(PartFault::VentStuckClosed, StepKind::Vent, "");
     assert_eq!((failed, first_passed), (vec![(StepKind::Vent, Some(1)), (StepKind::Down, None)], true));
+    let (failed, first_passed) = finds(PartFault::CoilsSwapped, StepKind::Fill, "the coils are exchanged");
+    assert_eq!((failed, first_passed), (vec![(StepKind::Fill, Some(1))], true));
     let (failed, _) = finds(PartFault::SensorsSwapped, StepKind::Fill, "channel 0 rises");
     assert_eq!(failed, [(StepKind::Fill, Some(0)), (StepKind::Fill, Some(1))], "and no chamber bursts meanwhile");
 }

@@ -209,6 +209,18 @@ fn log_that_was_cut_off_is_reported_with_a_warning() {
 }
 
 #[test]
+fn scene_selects_the_pressure_loop() {
+    let error_pa = |pressure_loop: &str| {
+        let desk = Desk::with_scene("seed = 1", &format!("seed = 1\ncontroller.loop = \"{pressure_loop}\""));
+        let json = one_object(&desk.softlimb("run scene.toml --out results --json").done());
+        desk.softlimb("replay results/run.mcap").done();
+        json["pressure"]["true_error_pa"]["rmse"].as_f64().expect("a number")
+    };
+    let [pulses_pa, pi_pa, on_off_pa] = ["pulses", "pi", "on-off"].map(error_pa);
+    assert!(pulses_pa < pi_pa && pulses_pa < on_off_pa && pi_pa != on_off_pa, "{pulses_pa} {pi_pa} {on_off_pa}");
+}
+
+#[test]
 fn fault_on_purpose_is_met_reported_and_named() {
     let desk = desk();
     let run = desk.softlimb("run scene.toml --fault sensor-zero@0.5,0 --json");

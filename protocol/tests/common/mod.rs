@@ -69,32 +69,36 @@ fn sample() -> impl Strategy<Value = ChannelSample> {
 
 fn config_system() -> impl Strategy<Value = HostMessage> {
     let integers = any::<(u16, [u32; 6], u16)>();
-    (integers, code(), vec(number(), 12)).prop_map(|((session, u, adc_full_scale), link_loss_policy, f)| {
-        ConfigSystem {
-            session,
-            telemetry_period_us: u[0],
-            control_period_us: u[1],
-            link_timeout_us: u[2],
-            hold_time_us: u[3],
-            link_loss_policy,
-            vent_ramp_pa_per_s: f[0],
-            supply_min_pa: f[1],
-            supply_max_pa: f[2],
-            atmosphere_pa: f[3],
-            temperature_k: f[4],
-            valve_conductance_m3_per_s_pa: f[5],
-            valve_critical_ratio: f[6],
-            valve_on_delay_us: u[4],
-            valve_off_delay_us: u[5],
-            line_conductance_m3_per_s_pa: f[7],
-            sensor_min_pa: f[8],
-            sensor_max_pa: f[9],
-            supply_sensor_min_pa: f[10],
-            supply_sensor_max_pa: f[11],
-            adc_full_scale,
-        }
-        .into()
-    })
+    let codes = (code(), code());
+    (integers, codes, vec(number(), 12)).prop_map(
+        |((session, u, adc_full_scale), (link_loss_policy, pressure_loop), f)| {
+            ConfigSystem {
+                session,
+                telemetry_period_us: u[0],
+                control_period_us: u[1],
+                link_timeout_us: u[2],
+                hold_time_us: u[3],
+                link_loss_policy,
+                vent_ramp_pa_per_s: f[0],
+                supply_min_pa: f[1],
+                supply_max_pa: f[2],
+                atmosphere_pa: f[3],
+                temperature_k: f[4],
+                valve_conductance_m3_per_s_pa: f[5],
+                valve_critical_ratio: f[6],
+                valve_on_delay_us: u[4],
+                valve_off_delay_us: u[5],
+                line_conductance_m3_per_s_pa: f[7],
+                sensor_min_pa: f[8],
+                sensor_max_pa: f[9],
+                supply_sensor_min_pa: f[10],
+                supply_sensor_max_pa: f[11],
+                adc_full_scale,
+                pressure_loop,
+            }
+            .into()
+        },
+    )
 }
 
 fn config_channel() -> impl Strategy<Value = HostMessage> {

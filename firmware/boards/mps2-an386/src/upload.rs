@@ -147,6 +147,7 @@ fn system() -> ConfigSystem {
         supply_sensor_min_pa: 0.0,
         supply_sensor_max_pa: 689_476.0,
         adc_full_scale: 4095,
+        pressure_loop: PressureLoopKind::Pulses.into(),
     }
 }
 

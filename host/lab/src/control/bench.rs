@@ -2,6 +2,7 @@
 
 use std::io;
 
+use softlimb_protocol::PressureLoopKind;
 use softlimb_rig::link::{Event, Knot, Outputs, StreamOptions, Transport, stream};
 use softlimb_sim::plant::{PlantSettings, Truth};
 use softlimb_sim::{Here, SimSettings, SimulatedMcu, here};
@@ -43,9 +44,9 @@ pub struct Recording {
     pub fault: Option<String>,
 }
 
-/// Runs the program on a plant.
+/// Runs the program on a plant, by a loop of the firmware.
 #[must_use]
-pub fn record(plant: &PlantSettings) -> Recording {
+pub fn record(plant: &PlantSettings, pressure_loop: PressureLoopKind) -> Recording {
     let values = |pressure_pa: f64| vec![pressure_pa as i32; CHANNELS];
     let knots: Vec<_> = (0..)
         .zip(knots_pa())
@@ -58,7 +59,9 @@ pub fn record(plant: &PlantSettings) -> Recording {
     let settings = SimSettings::new(plant.clone());
     let mcu = SimulatedMcu::with_processor(&settings, here()).expect("the settings of the bench");
     let mut watched = Watched { mcu, span_us: None, moments: Vec::new() };
-    let outcome = stream(&mut watched, &configuration(), &knots, &StreamOptions::new(7), |watched, event| {
+    let mut configuration = configuration();
+    configuration.system.pressure_loop = pressure_loop.into();
+    let outcome = stream(&mut watched, &configuration, &knots, &StreamOptions::new(7), |watched, event| {
         if let Event::Armed { start_us, end_us } = event {
             watched.span_us = Some((start_us, end_us));
         }

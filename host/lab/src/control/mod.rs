@@ -6,7 +6,7 @@ mod figures;
 mod limits;
 mod picture;
 mod program;
-mod rivals;
+mod swift;
 mod table;
 
 pub use bench::{Moment, Recording, record};
@@ -20,6 +20,7 @@ use std::num::NonZero;
 use std::thread;
 
 use softlimb_numerics::Kronecker;
+use softlimb_protocol::PressureLoopKind;
 use softlimb_sim::plant::{ChannelSettings, MotionSettings, PlantSettings, PumpSettings, Spread, Supply};
 
 use crate::faults::bench::settings;
@@ -51,27 +52,31 @@ pub const UNTOLD_CONDUCTANCE: f64 = 0.2;
 /// A loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// The firmware's, behind its link.
-    Firmware,
-    /// Pulses by a PI controller with feed-forward through the inverse of the valve.
-    Pi,
-    /// A valve is open while the error is beyond a dead band.
-    OnOff,
+    /// One of the firmware's, behind its link.
+    Firmware(PressureLoopKind),
     /// The limit of the valves' size: valves without delays, for as long in each tick as the true pressure lacks.
     Swift,
 }
 
 impl Method {
+    /// The loop that scenes have by default.
+    pub const OURS: Self = Self::Firmware(PressureLoopKind::Pulses);
+
     /// All loops, in the order of the table.
-    pub const ALL: [Self; 4] = [Self::Firmware, Self::Pi, Self::OnOff, Self::Swift];
+    pub const ALL: [Self; 4] = [
+        Self::OURS,
+        Self::Firmware(PressureLoopKind::ProportionalIntegral),
+        Self::Firmware(PressureLoopKind::OnOff),
+        Self::Swift,
+    ];
 
     /// Name in the table.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Firmware => "firmware",
-            Self::Pi => "PI, feed-forward",
-            Self::OnOff => "on-off",
+            Self::Firmware(PressureLoopKind::Pulses) => "pulses",
+            Self::Firmware(PressureLoopKind::ProportionalIntegral) => "PI, feed-forward",
+            Self::Firmware(PressureLoopKind::OnOff) => "on-off",
             Self::Swift => "valves without delay",
         }
     }
@@ -175,8 +180,10 @@ pub fn run(groups: &[Group]) -> Vec<Trial> {
 
 fn trial((method, group, seed): (Method, Group, u64)) -> Trial {
     let plant = group.plant(seed);
-    let told = Group::Nominal.plant(seed).channels;
-    let recording = if method == Method::Firmware { record(&plant) } else { rivals::record(&plant, &told, method) };
+    let recording = match method {
+        Method::Firmware(pressure_loop) => record(&plant, pressure_loop),
+        Method::Swift => swift::record(&plant),
+    };
     let mut figures = recording.fault.is_none().then(|| figures::of(&recording, &limits::Limits::of(&plant)));
     if method == Method::Swift {
         // Its valves switch within a tick.

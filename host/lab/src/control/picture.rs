@@ -19,7 +19,7 @@ const STEPS: f64 = 4.0;
 
 /// The picture as a document that stands by itself.
 pub(super) fn picture(trials: &[Trial]) -> String {
-    let ours = || trials.iter().filter(|trial| trial.method == Method::Firmware);
+    let ours = || trials.iter().filter(|trial| trial.method == Method::OURS);
     let Some(nominal) = ours().find(|trial| trial.group == Group::Nominal) else { return String::new() };
     let steps = over_time(nominal, "steps, nominal plant", [STEPS_S - 0.1, STEPS_S + STEPS * STEP_S - 0.05]);
     let trajectory = errors_over_time(nominal, "trajectory, nominal plant", [TRAJECTORY_S.start, TRAJECTORY_S.end]);

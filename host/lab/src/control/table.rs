@@ -99,7 +99,7 @@ fn parse_line(text: &str) -> Option<Line> {
     })
 }
 
-/// An aim of the firmware's loop: name, group, figure, and the greatest value for the nominal plant or that of 95 % of the plants.
+/// An aim of the predicted pulses: name, group, figure, and the greatest value for the nominal plant or that of 95 % of the plants.
 struct Aim {
     name: &'static str,
     group: Group,
@@ -128,7 +128,7 @@ const AIMS: [Aim; 11] = [
     Aim::new("air / least", Group::Spread, 9, 1.03),
 ];
 
-/// The aims beside the figures of the firmware's loop.
+/// The aims beside the figures of the predicted pulses.
 fn aims(lines: &[Line]) -> String {
     let volumes_ml = VOLUMES_M3.map(|volume_m3| (volume_m3 * 1e6).round() as u32);
     let mut text = "\n| figure | plants | at most |".to_owned();
@@ -140,7 +140,7 @@ fn aims(lines: &[Line]) -> String {
         let _ = write!(text, "| {name} | {plants} | {most:.2} |");
         for volume_ml in volumes_ml {
             let is_it = |line: &&Line| {
-                line.method == Method::Firmware.name()
+                line.method == Method::OURS.name()
                     && (line.volume_ml, line.percentile) == (volume_ml, percentile)
                     && line.plants == group.name()
             };
@@ -172,9 +172,9 @@ pub fn page(lines: &[Line]) -> String {
         let _ = writeln!(text, "| {} | {} | {plants} | {} |", line.volume_ml, line.method, cells.join(" | "));
     }
     // Each run has all chambers.
-    let of_runs = |line: &&Line| line.method == Method::Firmware.name() && line.volume_ml == lines[0].volume_ml;
+    let of_runs = |line: &&Line| line.method == Method::OURS.name() && line.volume_ml == lines[0].volume_ml;
     let is_first = |line: &&Line| line.percentile == 50;
     let faults: usize = lines.iter().filter(of_runs).filter(is_first).map(|line| line.faults).sum();
-    let _ = writeln!(text, "\nFalse faults ended {faults} of {} runs of the firmware.", 2 * PLANTS + 3);
+    let _ = writeln!(text, "\nFalse faults ended {faults} of {} runs by predicted pulses.", 2 * PLANTS + 3);
     text
 }

@@ -2,7 +2,8 @@
 
 use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement};
 use softlimb_protocol::{
-    ConfigChannel, ConfigSystem, FiberPlacement, LinkLossPolicy, MaterialLaw, MotionKind, SetpointKind,
+    ConfigChannel, ConfigSystem, FiberPlacement, LinkLossPolicy, MaterialLaw, MotionKind, PressureLoopKind,
+    SetpointKind,
 };
 use softlimb_rig::link::{DeviceConfiguration, Knot, Outputs};
 use softlimb_sim::SimSettings;
@@ -101,6 +102,7 @@ fn system() -> ConfigSystem {
         supply_sensor_min_pa: 0.0,
         supply_sensor_max_pa: 689_476.0,
         adc_full_scale: 4095,
+        pressure_loop: PressureLoopKind::Pulses.into(),
     }
 }
 

@@ -63,6 +63,7 @@ pub fn configuration(channels: usize) -> DeviceConfiguration {
         supply_sensor_min_pa: 0.0,
         supply_sensor_max_pa: 689_476.0,
         adc_full_scale: 4095,
+        pressure_loop: PressureLoopKind::Pulses.into(),
     };
     let (volume, _) = tables::tables(&channel()).expect("it bends");
     let volumes = (0..).take(channels).map(|channel| ConfigVolume { channel, ..volume.clone() }).collect();

@@ -13,8 +13,8 @@ pub use corrections::Corrections;
 pub use design::{Bounds, Choice, Design, ModuleBounds};
 pub use limb::{EndEffector, Limb, Module, ModuleSegment, WoundActuator};
 pub use motion::{
-    BendingModel, Controller, Excess, Goal, InverseChoice, Limits, LinkLoss, MarginLimits, Phase, Shaping, Swing,
-    Target, Weight,
+    BendingModel, Controller, Excess, Goal, InverseChoice, Limits, LinkLoss, MarginLimits, Phase, PressureLoop,
+    Shaping, Swing, Target, Weight,
 };
 pub use plant::{Ambient, BodyEffects, Chamber, Line, Plant, Sensor, Spread, Supply, TrueLimb, Valve};
 pub use task::{Aim, Gripper, Marker, Object, Obstacle, Region};

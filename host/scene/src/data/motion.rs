@@ -172,6 +172,17 @@ pub enum BendingModel {
     SectionFe,
 }
 
+/// How the controller makes pressures follow their setpoints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PressureLoop {
+    /// Predicted pulses.
+    Pulses,
+    /// PI controller with feed-forward.
+    ProportionalIntegral,
+    /// Valves on or off beyond a dead band.
+    OnOff,
+}
+
 /// Settings of the pressure controller.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -190,6 +201,8 @@ pub struct Controller {
     pub link_loss: LinkLoss,
     /// Rate at which pressures ramp down, Pa/s; > 0.
     pub vent_ramp_pa_per_s: f64,
+    /// Pressure loop.
+    pub pressure_loop: PressureLoop,
     /// Inverse of the controller, from a deformation to a pressure.
     pub inverse: InverseChoice,
     /// Model of bending modules.

@@ -1,7 +1,8 @@
 //! Limits and settings of the controller.
 
 use crate::data::{
-    BendingModel, Controller, Excess, InverseChoice, Limits, LinkLoss, MarginLimits, Shaping, Swing, Weight,
+    BendingModel, Controller, Excess, InverseChoice, Limits, LinkLoss, MarginLimits, PressureLoop, Shaping, Swing,
+    Weight,
 };
 use crate::error::{Problem, quoted};
 use crate::reader::Reader;
@@ -79,6 +80,8 @@ pub(super) fn controller(root: &Reader<'_>) -> Option<Controller> {
         let hold = time(reader, &keys::HOLD_TIME, 1);
         let link_loss = reader.choice(&keys::LINK_LOSS, &[LinkLoss::HoldThenRamp, LinkLoss::Hold, LinkLoss::Vent]);
         let vent_ramp = reader.quantity(&keys::VENT_RAMP);
+        let loops = [PressureLoop::Pulses, PressureLoop::ProportionalIntegral, PressureLoop::OnOff];
+        let pressure_loop = reader.choice(&keys::LOOP, &loops);
         let inverses = [InverseChoice::Auto, InverseChoice::Table, InverseChoice::Model];
         let inverse = reader.choice(&keys::INVERSE, &inverses);
         let inverse_error = reader.quantity(&keys::INVERSE_ERROR);
@@ -102,6 +105,7 @@ pub(super) fn controller(root: &Reader<'_>) -> Option<Controller> {
             hold_time_us: hold?,
             link_loss: *link_loss?,
             vent_ramp_pa_per_s: *vent_ramp?,
+            pressure_loop: *pressure_loop?,
             inverse: *inverse?,
             bending: *bending?,
             inverse_error: *inverse_error?,

@@ -126,6 +126,9 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
             }
             at_pa = reached_pa;
         }
+        if moved.is_none() && peak_pa - start_pa < EFFECT_PA && self.does_vent_fill(index)? {
+            return Ok(failed("the coil of the vent valve fills: the coils are exchanged".to_owned()));
+        }
         let rest = self.observe(HELD_US);
         let held_pa = mean_pa(&rest[rest.len() - rest.len() / 4..], channel);
         let [from, to, peak] = [start_pa, at_pa, peak_pa].map(|pressure_pa| pressure_pa * 1e-3);
@@ -138,6 +141,22 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
             None if at_pa - start_pa >= target_pa => passed(text),
             None => failed(self.with_faults(text)),
         })
+    }
+
+    /// Whether pulses of the vent valve raise the pressure of a channel. They end as its sensor shows the rise.
+    fn does_vent_fill(&mut self, index: u8) -> Result<bool, LinkError> {
+        let channel = usize::from(index);
+        let before_pa = mean_pa(&self.observe(REST_US), channel);
+        let mut pulse_us = PULSE_US;
+        while pulse_us <= PULSE_MAX_US {
+            self.hand.pulse(index, PulseDirection::Vent, pulse_us)?;
+            let after = self.observe(u64::from(pulse_us) + REST_US);
+            if mean_pa(&after[after.len() / 2..], channel) - before_pa >= EFFECT_PA {
+                return Ok(true);
+            }
+            pulse_us *= 2;
+        }
+        Ok(false)
     }
 
     /// Watches a filled chamber with closed valves.
