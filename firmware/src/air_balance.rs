@@ -174,6 +174,12 @@ impl AirBalance {
         self.doubt_pa += effect_pa.abs() * chamber_doubt;
     }
 
+    /// Takes by how much the reading comes back beyond its prediction once a valve has closed, Pa, signed: the line lets too little air through.
+    pub(crate) fn come_to_rest(&mut self, beyond_pa: f32) {
+        self.unexplained.excess_pa = self.unexplained.excess_pa.max(beyond_pa);
+        self.unexplained.missing_pa = self.unexplained.missing_pa.max(-beyond_pa);
+    }
+
     /// Takes a pressure of the chamber. Behind an open valve the drop, or its change, is in doubt.
     pub(crate) fn measure(&mut self, measurement: &Measurement) {
         let Measurement { now_us, pressure_pa, step_pa, drop_pa, cooling_s } = *measurement;

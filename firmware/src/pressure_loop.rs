@@ -29,6 +29,11 @@ const BACK: f32 = 1.05;
 /// Largest excess of a pair over the reference, Pa: a pressure that is settled stays within 1 kPa.
 const ABOVE_PA: f32 = 900.0;
 
+/// Change of the reading after a steady flow by which the line lets too little air through, in modelled drops and Pa: the drop goes with the square of
+/// the flow, and valves scatter.
+const HINDERED_DROPS: f32 = 3.0;
+const HINDERED_PA: f32 = 6e3;
+
 /// Supply pressure above that of the chamber, Pa: below it a fill valve may let air flow back, and the balance is interrupted.
 const SUPPLY_MIN_PA: f32 = 5e3;
 
@@ -175,7 +180,7 @@ impl PressureLoop {
         let resting = near && sample == Sample::Settled && input.sensor_trusted && input.may_fill;
         let pressure_pa = self.chamber_pressure_pa(input, sample, modelled_drop_pa, resting);
         let last_pulse = self.last.and_then(|last| last.pulse);
-        self.learn(input, pressure_pa, sample);
+        let hindered_pa = self.learn(input, pressure_pa, sample);
         let settles = sample == Sample::Settled && self.settles(input.sensor_step_pa, last_pulse);
         if !matches!(sample, Sample::Opening(_)) && input.sensor_trusted && !settles {
             let drop_pa = if sample == Sample::Settled { 0.0 } else { input.sensor_pa - pressure_pa };
@@ -183,6 +188,9 @@ impl PressureLoop {
             let pneumatics = input.pneumatics;
             let cooling_s = input.chamber.cooling_s(pressure_pa, pneumatics.atmosphere, pneumatics.temperature_k);
             self.balance.measure(&Measurement { now_us, pressure_pa, step_pa, drop_pa, cooling_s });
+        }
+        if let Some(beyond_pa) = hindered_pa {
+            self.balance.come_to_rest(beyond_pa);
         }
         let plan = if resting {
             self.plan_at_rest(input, reference, pressure_pa)
@@ -264,19 +272,24 @@ impl PressureLoop {
         last.pressure_pa + gain * last.modelled_pa
     }
 
-    /// Learns from the last pulse if both samples are measured and of one kind: behind an open valve they carry a bias.
-    fn learn(&mut self, input: &LoopInput, pressure_pa: f32, sample: Sample) {
-        let Some(last) = self.last.take() else { return };
+    /// Learns from the last pulse if both samples are measured and of one kind: behind an open valve they carry a bias. Returns the change of the
+    /// reading beyond its prediction, Pa, signed, where it shows that the line lets too little air through.
+    fn learn(&mut self, input: &LoopInput, pressure_pa: f32, sample: Sample) -> Option<f32> {
+        let last = self.last.take()?;
+        let mut hindered_pa = None;
         if let (Sample::Steady(direction), Sample::Settled, true) = (last.sample, sample, input.sensor_trusted) {
             let innovation_pa = pressure_pa - self.reckoned_pa(&last);
             self.adaptation.learn_drop(direction, last.drop_pa, last.modelled_pa, innovation_pa);
+            let returned_pa = if direction == Direction::Fill { -innovation_pa } else { innovation_pa };
+            let is_hindered = returned_pa > HINDERED_PA + HINDERED_DROPS * last.drop_pa.abs();
+            hindered_pa = is_hindered.then_some(innovation_pa);
         }
         if last.sample != sample
             || matches!(sample, Sample::Opening(_))
             || !input.sensor_trusted
             || self.fine.is_pairing()
         {
-            return;
+            return hindered_pa;
         }
         let duration_us = input.now_us.saturating_sub(last.at_us).max(1);
         self.adaptation.learn(&Effect {
@@ -286,6 +299,7 @@ impl PressureLoop {
             measured_pa: pressure_pa - last.pressure_pa,
             duration_s: duration_us as f32 * 1e-6,
         });
+        hindered_pa
     }
 
     fn plan(&self, input: &LoopInput, reference: &Reference, pressure_pa: f32, open: Option<Direction>) -> Plan {
