@@ -81,18 +81,24 @@ impl Leaning {
         let slide = chord_m / (stretch * bay_m);
         (stretch > 0.0 && slide.abs() <= SLIDE_MAX).then_some(())?;
         // Distance of the plates over the length of the tube, with its lean and the lean by bending per force.
-        let leant = |own: f64, chord_m: f64, arm_m: f64| {
+        let leant = |own: f64, chord_m: f64, arm_m: f64, near: Option<f64>| {
             let long_m = own * bay_m;
             let bent = long_m * bay_m / (12.0 * mean_nm2(tube));
             let series = Series::new(1.0 / (tube.shear_n * own * bent), arm_m / long_m);
-            let bend = series.bend(chord_m / long_m)?;
+            let bend = series.bend(chord_m / long_m, near)?;
             Some((series.height(bend), bend, bent, series))
         };
-        let mut own = stretch;
+        let (mut own, mut last, mut near) = (stretch, None, None);
         for _ in 0..ITERATIONS {
-            let (height, bend, bent, series) = leant(own, chord_m, arm_m)?;
-            let next = stretch / height;
+            let (height, bend, bent, series) = leant(own, chord_m, arm_m, near)?;
+            near = Some(bend);
+            let short = stretch - own * height;
+            // A secant from the second step on.
+            let by_own = last
+                .map_or(height, |(own_before, short_before): (f64, f64)| (short_before - short) / (own - own_before));
+            let next = own + short / by_own;
             if (next - own).abs() > CONVERGED {
+                last = Some((own, short));
                 own = next;
                 continue;
             }
@@ -102,7 +108,7 @@ impl Leaning {
                 own * (chord_m / (own * bay_m) - 0.8 * bend) / (1.0 + 0.4 * bend * bend)
             };
             let at = |own: f64, chord_m: f64, arm_m: f64| {
-                let (height, bend, ..) = leant(own, chord_m, arm_m)?;
+                let (height, bend, ..) = leant(own, chord_m, arm_m, near)?;
                 Some(Vector3::new(height, bend, longer(own, chord_m, bend)))
             };
             let slope = |more: Option<Vector3<f64>>, less: Option<Vector3<f64>>, step: f64| {
@@ -172,10 +178,10 @@ impl Series {
         }
     }
 
-    /// The lean by bending at a slide; `None` where a larger lean would slide less.
-    fn bend(&self, slide: f64) -> Option<f64> {
+    /// The lean by bending at a slide, found from one that is near; `None` where a larger lean would slide less.
+    fn bend(&self, slide: f64, near: Option<f64>) -> Option<f64> {
         let [first, third, fifth] = self.slide;
-        let mut bend = slide / first;
+        let mut bend = near.unwrap_or(slide / first);
         for _ in 0..ITERATIONS {
             let square = bend * bend;
             let off = bend * (first + square * (third + square * fifth)) - slide;
