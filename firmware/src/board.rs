@@ -3,6 +3,7 @@
 use softlimb_protocol::{DeviceState, LinkErrors, MAX_CHANNELS};
 
 use crate::controller::{Controller, TickInputs, TickOutputs};
+use crate::log::{self, Log, LogMemory};
 use crate::valve::TICK_US;
 
 /// Bytes moved to or from the link at once.
@@ -33,6 +34,11 @@ pub trait Board<const N: usize = MAX_CHANNELS> {
         LinkErrors::NONE
     }
 
+    /// The log and its memory; `None` without a memory.
+    fn log(&mut self) -> Option<(&mut Log, &mut dyn LogMemory)> {
+        None
+    }
+
     /// Sends bytes; never more than [`Self::link_room`].
     fn write_link(&mut self, bytes: &[u8]);
 }
@@ -40,10 +46,11 @@ pub trait Board<const N: usize = MAX_CHANNELS> {
 /// Time from the start of a tick to the second look at the link, us.
 pub const LOOK_US: u64 = TICK_US as u64 / 2;
 
-/// One turn of the device: control first, then the link.
+/// One turn of the device: control first, then the link and the log.
 pub fn turn<const N: usize, B: Board<N> + ?Sized>(controller: &mut Controller<N>, board: &mut B) -> TickOutputs<N> {
     let (now_us, outputs) = control(controller, board);
     receive(controller, board, now_us);
+    log::keep(controller, board);
     transmit(controller, board);
     outputs
 }
@@ -65,8 +72,12 @@ fn control<const N: usize, B: Board<N> + ?Sized>(
     let inputs = board.inputs();
     controller.set_stack_used(board.stack_used());
     controller.set_link_errors(board.link_errors());
-    let outputs = controller.tick(&inputs);
+    let boot = controller.ticks.is_first().then_some(controller.boot);
+    let outputs = controller.act(&inputs);
     board.apply(&outputs);
+    // Before the report, which forgets them.
+    log::note(board, boot, controller.faults.untold_of(inputs.now_us));
+    controller.report(&inputs, &outputs);
     (inputs.now_us, outputs)
 }
 

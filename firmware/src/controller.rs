@@ -2,6 +2,8 @@
 //!
 //! One tick: sense, supervise (`supervise.rs`), drive the channels, report. Messages act between ticks (`dispatch.rs`).
 
+use core::num::NonZeroU32;
+
 use heapless::Vec;
 use softlimb_protocol::{
     BootCause, Decoder, DeviceState, FaultCode, HostMessage, LinkErrors, MAX_CHANNELS, Outputs, SeqDedup,
@@ -113,6 +115,8 @@ pub struct Controller<const N: usize = MAX_CHANNELS> {
     pub(crate) telemetry_due_us: u64,
     pub(crate) sampling: Sampling,
     pub(crate) stack_used: u16,
+    /// First record of the log that the host requests.
+    pub(crate) log_request: Option<NonZeroU32>,
     pub(crate) link_errors: LinkErrors,
     pub(crate) link_errors_changed: bool,
     pub(crate) link_errors_due_us: u64,
@@ -151,6 +155,7 @@ impl<const N: usize> Controller<N> {
             telemetry_due_us: 0,
             sampling: Sampling::new(),
             stack_used: 0,
+            log_request: None,
             link_errors: LinkErrors::NONE,
             link_errors_changed: false,
             link_errors_due_us: 0,
@@ -223,12 +228,18 @@ impl<const N: usize> Controller<N> {
 
     /// One control tick; call it every millisecond.
     pub fn tick(&mut self, inputs: &TickInputs<N>) -> TickOutputs<N> {
+        let outputs = self.act(inputs);
+        self.report(inputs, &outputs);
+        outputs
+    }
+
+    /// A tick without its messages.
+    pub(crate) fn act(&mut self, inputs: &TickInputs<N>) -> TickOutputs<N> {
         let now_us = inputs.now_us;
         self.sense(inputs);
         self.supervise(inputs);
         let outputs = TickOutputs { digital: self.outputs, ..self.drive(now_us) };
         self.tick_count = self.tick_count.wrapping_add(1);
-        self.report(inputs, &outputs);
         outputs
     }
 

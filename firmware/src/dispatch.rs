@@ -1,5 +1,7 @@
 //! Effect of each message of the host, and its answer.
 
+use core::num::NonZeroU32;
+
 use softlimb_protocol::{
     Ack, Arrival, Command, CommandCode, Compatibility, DeviceState, Heartbeat, HeartbeatReply, Hello, HelloReply,
     HostMessage, Message, PROTOCOL_VERSION, ResultCode, SCHEMA_HASH,
@@ -82,6 +84,7 @@ impl<const N: usize> Controller<N> {
             HostMessage::SetOutputs(request) => self.set_outputs(request),
             HostMessage::Knots(knots) => self.knots(now_us, knots),
             HostMessage::SetSampling(request) => self.set_sampling(now_us, request),
+            HostMessage::ReadLog(request) => self.read_log(request.first),
             HostMessage::ReadLinkErrors(_) => {
                 self.send_link_errors(now_us);
                 OK
@@ -224,6 +227,15 @@ impl<const N: usize> Controller<N> {
             return (ResultCode::Late, 0);
         }
         self.start_us = Some(start_us);
+        OK
+    }
+
+    /// The end of the turn answers: the log is the board's.
+    fn read_log(&mut self, first: u32) -> Answer {
+        if self.state == DeviceState::Running {
+            return WRONG_STATE;
+        }
+        self.log_request = NonZeroU32::new(first.max(1));
         OK
     }
 

@@ -118,6 +118,11 @@ impl Faults {
         BLOCKING.into_iter().find(|&code| self.contains(code))
     }
 
+    /// The unreported occurrences of a time.
+    pub(crate) fn untold_of(&self, time_us: u64) -> impl Iterator<Item = &Occurrence> {
+        self.pending.iter().filter(move |occurrence| occurrence.time_us == time_us)
+    }
+
     /// The oldest unreported occurrence.
     pub fn untold(&self) -> Option<&Occurrence> {
         self.pending.front()

@@ -30,6 +30,7 @@ mod flow;
 mod gas;
 mod inverse;
 mod link;
+pub mod log;
 mod manual;
 mod observer;
 mod outbox;

@@ -4,6 +4,7 @@ use softlimb_protocol::{DeviceMessage, MAX_FRAME_LEN, encode_frame};
 
 /// Bytes that can wait: eight of the largest frames.
 const CAPACITY: usize = 8 * MAX_FRAME_LEN;
+const _: () = assert!(2 * CAPACITY <= u16::MAX as usize);
 
 /// Space that stays free for answers when telemetry is queued.
 const RESERVE: usize = 2 * MAX_FRAME_LEN;
@@ -13,8 +14,8 @@ const RESERVE: usize = 2 * MAX_FRAME_LEN;
 pub(crate) struct Outbox {
     ring: [u8; CAPACITY],
     /// Place of the first byte, below the capacity.
-    start: usize,
-    len: usize,
+    start: u16,
+    len: u16,
     seq: u16,
 }
 
@@ -28,31 +29,35 @@ impl Outbox {
         let mut frame = [0; MAX_FRAME_LEN];
         let encoded = encode_frame(message, self.seq, &mut frame).ok().and_then(|len| frame.get(..len));
         let Some(frame) = encoded else { return false };
-        if frame.len() > CAPACITY - self.len {
+        if frame.len() > self.room() {
             return false;
         }
         self.seq = self.seq.wrapping_add(1);
-        let end = wrapped(self.start + self.len);
+        let end = wrapped(usize::from(self.start) + usize::from(self.len));
         let (to_end, from_start) = frame.split_at(frame.len().min(CAPACITY - end));
         copy(to_end, self.ring.get_mut(end..));
         copy(from_start, Some(&mut self.ring));
-        self.len += frame.len();
+        self.len += frame.len() as u16;
         true
     }
 
     /// Whether there is room for telemetry with enough left for answers.
     pub(crate) fn has_room_for_telemetry(&self) -> bool {
-        CAPACITY - self.len >= MAX_FRAME_LEN + RESERVE
+        self.room() >= MAX_FRAME_LEN + RESERVE
+    }
+
+    fn room(&self) -> usize {
+        CAPACITY - usize::from(self.len)
     }
 
     /// Moves bytes to the link; returns how many.
     pub(crate) fn drain(&mut self, out: &mut [u8]) -> usize {
-        let count = out.len().min(self.len);
-        let to_end = count.min(CAPACITY - self.start);
-        copy(self.ring.get(self.start..self.start + to_end).unwrap_or_default(), Some(out));
+        let (start, count) = (usize::from(self.start), out.len().min(usize::from(self.len)));
+        let to_end = count.min(CAPACITY - start);
+        copy(self.ring.get(start..start + to_end).unwrap_or_default(), Some(out));
         copy(self.ring.get(..count - to_end).unwrap_or_default(), out.get_mut(to_end..));
-        self.start = wrapped(self.start + count);
-        self.len -= count;
+        self.start = wrapped(start + count) as u16;
+        self.len -= count as u16;
         count
     }
 }

@@ -1,6 +1,6 @@
 //! Unsolicited messages of the device: faults and errors of the link as they occur, measurements periodically.
 
-use softlimb_protocol::{ChannelSample, ChannelStatus, Fault, List, Telemetry};
+use softlimb_protocol::{Batch, ChannelSample, ChannelStatus, Fault, List, LogRecord, LogRecords, LogState, Telemetry};
 
 use crate::channel::Channel;
 use crate::controller::{Controller, TickInputs, TickOutputs};
@@ -47,6 +47,13 @@ impl<const N: usize> Controller<N> {
         if self.outbox.push(&self.link_errors.clone().into()) {
             self.link_errors_changed = false;
             self.link_errors_due_us = now_us.saturating_add(LINK_ERRORS_US);
+        }
+    }
+
+    /// Queues a part of the log. The state comes last: it carries the number of records before it.
+    pub(crate) fn send_log(&mut self, state: LogState, records: Batch<LogRecord>) {
+        if records.is_empty() || self.outbox.push(&LogRecords { records }.into()) {
+            self.outbox.push(&state.into());
         }
     }
 

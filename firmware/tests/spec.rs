@@ -124,6 +124,7 @@ fn takes(bench: &mut Bench, name: &str) -> bool {
             SetSampling { session: SESSION, period_us: 5_000, samples: 1, content: SampleContent::Measurements.into() }
                 .into(),
         ],
+        "ReadLog" => vec![ReadLog { session: SESSION, first: 0 }.into()],
         "ReadLinkErrors" => vec![ReadLinkErrors { session: SESSION }.into()],
         "Start" => vec![command(CommandCode::Start)],
         "Hold" => vec![command(CommandCode::Hold)],
@@ -158,8 +159,8 @@ fn table_of_messages_by_state_is_the_firmwares() {
     let codes = (0..=255).filter_map(CommandCode::from_code).count();
     assert_eq!(
         rows.len(),
-        codes + 8,
-        "all commands, the upload, its commit, setpoint and knots, pulse and outputs by hand, sampling, link errors"
+        codes + 9,
+        "all commands, the upload, its commit, setpoint and knots, pulse and outputs by hand, sampling, link errors, log"
     );
     for row in rows {
         let (name, answers) = row.split_first().unwrap();

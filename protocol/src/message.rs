@@ -229,6 +229,26 @@ interface! {
             MissingAir = 14,
         }
 
+        /// Kind of a record in the log.
+        LogKind {
+            /// The device started; `code` is the BootCause, `detail` as `boot_detail` of HelloReply.
+            Boot = 1,
+            /// A fault was latched; `code` is the FaultCode, `detail` the `value` of Fault in two's complement.
+            Fault = 2,
+        }
+
+        /// Whether the device stores records.
+        LogCondition {
+            /// The device has no memory for a log.
+            Absent = 0,
+            /// Records are stored.
+            Kept = 1,
+            /// The memory is full until the next start.
+            Full = 2,
+            /// The memory was not prepared, or does not hold what was written. Nothing more is stored until the next start.
+            Failed = 3,
+        }
+
         /// Content of a sample.
         SampleContent {
             /// State, pressures and duties, in Samples messages.
@@ -311,6 +331,24 @@ interface! {
             outputs_crc: u32,
             /// Codes of the sensors, one per configured channel.
             codes: List<u16>,
+        }
+
+        /// One record of the log, in a LogRecords message.
+        LogRecord {
+            /// Number of the record; each has a higher one than those before, not always the next.
+            number: u32,
+            /// Number of the start of the device, from 1.
+            start: u32,
+            /// Kind of the record.
+            kind: Code<LogKind>,
+            /// Code; the kind determines its meaning.
+            code: u8,
+            /// Channel, from 0; 255 means the system.
+            channel: u8,
+            /// Detail; the kind determines its meaning.
+            detail: u32,
+            /// Device time since the start, us; 0 for a start.
+            time_us: u64,
         }
     }
 
@@ -547,6 +585,14 @@ interface! {
             /// Session.
             session: u16,
         }
+
+        /// Requests a part of the log; changes nothing.
+        0x10 ReadLog Reliable {
+            /// Session.
+            session: u16,
+            /// Number from which on records are requested; 0 for the oldest.
+            first: u32,
+        }
     }
 
     /// A message from the device to the host.
@@ -682,6 +728,26 @@ interface! {
             /// Intact bytes dropped because the receive queue was full.
             queue_full: u32,
         }
+
+        /// Records of the log in order, before the LogState that answers a ReadLog.
+        0x89 LogRecords Unacknowledged {
+            /// The records.
+            records: Batch<LogRecord>,
+        }
+
+        /// Answers ReadLog.
+        0x8a LogState Unacknowledged {
+            /// Whether records are stored.
+            condition: Code<LogCondition>,
+            /// Records since the start that were not stored; stays at its maximum.
+            unstored: u32,
+            /// Number that the next record gets.
+            next: u32,
+            /// First number of the next request; the log ends if it equals `next`.
+            until: u32,
+            /// Records in the LogRecords before this message; 0 without one.
+            records: u8,
+        }
     }
 }
 
@@ -691,6 +757,12 @@ pub const SYSTEM_CHANNEL: u8 = 0xFF;
 impl LinkErrors {
     /// No error.
     pub const NONE: Self = Self { overrun: 0, framing: 0, noise: 0, parity: 0, queue_full: 0 };
+}
+
+impl LogState {
+    /// The answer of a device without a memory for a log.
+    pub const ABSENT: Self =
+        Self { condition: Code::from_raw(LogCondition::Absent as u8), unstored: 0, next: 0, until: 0, records: 0 };
 }
 
 impl FaultCode {

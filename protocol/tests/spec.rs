@@ -136,6 +136,6 @@ fn schema_text_has_one_line_per_definition() {
 #[test]
 fn type_bytes_name_one_message_and_tell_the_direction() {
     let types = |layouts: &[MessageLayout]| layouts.iter().map(|layout| layout.message_type).collect::<Vec<_>>();
-    assert_eq!(types(HostMessage::LAYOUT), (0x01..=0x0f).collect::<Vec<_>>());
-    assert_eq!(types(DeviceMessage::LAYOUT), (0x81..=0x88).collect::<Vec<_>>());
+    assert_eq!(types(HostMessage::LAYOUT), (0x01..=0x10).collect::<Vec<_>>());
+    assert_eq!(types(DeviceMessage::LAYOUT), (0x81..=0x8a).collect::<Vec<_>>());
 }

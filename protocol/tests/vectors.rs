@@ -81,6 +81,7 @@ fn host_fields(message: &HostMessage) -> (&'static str, Value) {
                 "session": m.session, "channel": m.channel, "direction": m.direction.raw(), "duration_us": m.duration_us,
             }),
         ),
+        HostMessage::ReadLog(m) => ("ReadLog", json!({ "session": m.session, "first": m.first })),
         HostMessage::ReadLinkErrors(m) => ("ReadLinkErrors", json!({ "session": m.session })),
         HostMessage::SetOutputs(m) => ("SetOutputs", json!({ "session": m.session, "outputs": m.outputs.bits() })),
     }
@@ -159,6 +160,16 @@ fn device_fields(message: &DeviceMessage) -> (&'static str, Value) {
         DeviceMessage::Telemetry(m) => ("Telemetry", telemetry_fields(m)),
         DeviceMessage::Samples(m) => ("Samples", samples_fields(m)),
         DeviceMessage::Ticks(m) => ("Ticks", ticks_fields(m)),
+        DeviceMessage::LogRecords(m) => {
+            ("LogRecords", json!({ "records": m.records.iter().map(log_record).collect::<Vec<_>>() }))
+        }
+        DeviceMessage::LogState(m) => (
+            "LogState",
+            json!({
+                "condition": m.condition.raw(), "unstored": m.unstored, "next": m.next, "until": m.until,
+                "records": m.records,
+            }),
+        ),
         DeviceMessage::LinkErrors(m) => (
             "LinkErrors",
             json!({
@@ -170,6 +181,13 @@ fn device_fields(message: &DeviceMessage) -> (&'static str, Value) {
             ("Fault", json!({ "time_us": m.time_us, "channel": m.channel, "code": m.code.raw(), "value": m.value }))
         }
     }
+}
+
+fn log_record(r: LogRecord) -> Value {
+    json!({
+        "number": r.number, "start": r.start, "kind": r.kind.raw(), "code": r.code, "channel": r.channel, "detail": r.detail,
+        "time_us": r.time_us,
+    })
 }
 
 fn reply_fields(m: &HelloReply) -> Value {

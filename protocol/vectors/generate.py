@@ -110,7 +110,7 @@ def wrong_length():
 
 def wrong_content():
     """Unknown types and impossible lists."""
-    for message_type in (0x00, 0x10, 0x7F, 0x80, 0xFF):
+    for message_type in (0x00, 0x11, 0x7F, 0x80, 0xFF):
         yield vector(f"type {message_type:#04x}", "host", frame(body(message_type, 1, bytes(8))), error("unknown_type"))
     yield vector("a host's message at the host", "device",
                  frame(encoded("Heartbeat", 1, samples.TYPICAL["Heartbeat"])), error("unknown_type"))
@@ -127,7 +127,7 @@ def wrong_content():
     for name, values in samples.TYPICAL.items():
         direction, message_type, fields = table_of(name)
         if ":list:" in fields:
-            front = payload(fields.rsplit(" ", 1)[0], values)
+            front = payload(" ".join(fields.split()[:-1]), values)
             for count in (0, 28):
                 content = front + bytes([count]) + bytes(6 * count)
                 yield vector(f"{name} with a list of {count}", direction, frame(body(message_type, 1, content)),

@@ -57,6 +57,7 @@ TYPICAL = {
         {"step_us": 20_000, "outputs": 0, "steps": [100, -200]}, {"step_us": 10_000, "outputs": 1, "steps": [0, 3000]}]},
     "SetSampling": {"session": 7, "period_us": 5000, "samples": 2, "content": 0},
     "ReadLinkErrors": {"session": 7},
+    "ReadLog": {"session": 7, "first": 0},
     "HelloReply": REPLY,
     "Ack": ACK,
     "HeartbeatReply": {"host_time_us": 1_000_000, "mcu_time_us": 1_300_000, "state": 1, "free_knots": 64},
@@ -69,6 +70,10 @@ TYPICAL = {
         {"flags": 0, "supply_code": 2867, "outputs_crc": 0x7D5DB7F3, "codes": [410, 1200]},
         {"flags": 1, "supply_code": 2866, "outputs_crc": 0, "codes": [411, 4095]}]},
     "LinkErrors": {"overrun": 1, "framing": 2, "noise": 300, "parity": 0, "queue_full": 70_000},
+    "LogRecords": {"records": [
+        {"number": 9, "start": 4, "kind": 1, "code": 6, "channel": 255, "detail": 0x08001234, "time_us": 0},
+        {"number": 10, "start": 4, "kind": 2, "code": 2, "channel": 3, "detail": 151_000, "time_us": 2_500_000}]},
+    "LogState": {"condition": 1, "unstored": 0, "next": 11, "until": 11, "records": 2},
 }
 DENSE_SETPOINT = {
     "session": 0x0101, "index": 0x01010101, "time_us": 0x0101010101010101, "outputs": 1, "values": [-1, 0x7F7F7F7F],
@@ -199,6 +204,13 @@ def batches():
     for period_us, number in ((0, 0), (1000, 255), (2**32 - 1, 1)):
         yield f"SetSampling, {number} every {period_us} us", "SetSampling", 91, {
             "session": 7, "period_us": period_us, "samples": number, "content": 0}
+    yield "ReadLog, from the highest number", "ReadLog", 95, {"session": 7, "first": 2**32 - 1}
+    yield "LogRecords, as many as a frame holds, kind of a later version", "LogRecords", 96, {"records": [
+        {"number": 2**32 - 1, "start": 2**32 - 1 - k, "kind": 200 + k, "code": 255 - k, "channel": k, "detail": 2**32 - 1 - k, "time_us": 2**64 - 1 - k}
+        for k in range(10)]}
+    for condition in range(5):
+        yield f"LogState, condition {condition}", "LogState", 97, {
+            "condition": condition, "unstored": 2**32 - 1, "next": 2**32 - 1, "until": 5, "records": 255}
     yield "LinkErrors, none", "LinkErrors", 93, {
         "overrun": 0, "framing": 0, "noise": 0, "parity": 0, "queue_full": 0}
     yield "LinkErrors, each at its maximum", "LinkErrors", 94, {
@@ -272,6 +284,10 @@ def session(schema_hash):
     yield "ReadLinkErrors", 14, TYPICAL["ReadLinkErrors"]
     yield "LinkErrors", next(device_seq), TYPICAL["LinkErrors"]
     yield answer("ReadLinkErrors", 14)
+    yield "ReadLog", 15, TYPICAL["ReadLog"]
+    yield answer("ReadLog", 15)
+    yield "LogRecords", next(device_seq), TYPICAL["LogRecords"]
+    yield "LogState", next(device_seq), TYPICAL["LogState"]
     # A run that closes the gripper with its last knot.
     start_us = 5_000_000
     setpoint = TYPICAL["Setpoint"] | {"time_us": start_us}
@@ -280,7 +296,7 @@ def session(schema_hash):
     last = {"step_us": 10_000, "outputs": 1, "steps": [0, 100]}
     yield "Knots", 1, TYPICAL["Knots"] | {"knots": [last | {"outputs": 0}, last]}
     yield answer("Knots", 1, 61)
-    yield from request("Command", 15, 61, time_us=start_us)
+    yield from request("Command", 16, 61, time_us=start_us)
     yield "Heartbeat", 2, TYPICAL["Heartbeat"]
     yield "HeartbeatReply", next(device_seq), TYPICAL["HeartbeatReply"] | {"mcu_time_us": now(), "free_knots": 61}
     yield telemetry(2, start_us + 5_000 - time_us, free_knots=63, next_index=3)
@@ -288,7 +304,7 @@ def session(schema_hash):
     yield "Fault", next(device_seq), {"time_us": now(15_000), "channel": 255, "code": 4, "value": 3}
     yield telemetry(3, 5_000, fault_bits=8, free_knots=64, next_index=3, outputs=1)
     # The payload stays: the output keeps its state while the limb is vented.
-    yield from command(2, 16)
+    yield from command(2, 17)
     yield telemetry(4, fault_bits=8, next_index=3, free_knots=64, outputs=1)
-    yield from command(4, 17)
+    yield from command(4, 18)
     yield telemetry(1, 600_000, next_index=3, free_knots=64, outputs=1)

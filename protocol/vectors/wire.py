@@ -27,6 +27,7 @@ HOST = {
     0x0d: ("Knots", "session:H index:I knots:list:step"),
     0x0e: ("SetSampling", "session:H period_us:I samples:B content:B"),
     0x0f: ("ReadLinkErrors", "session:H"),
+    0x10: ("ReadLog", "session:H first:I"),
 }
 DEVICE = {
     0x81: ("HelloReply", "protocol_version:H schema_hash:I session:H firmware_major:B firmware_minor:B firmware_patch:B "
@@ -39,12 +40,15 @@ DEVICE = {
     0x86: ("Samples", "time_us:Q period_us:I left_out:I samples:list:moment"),
     0x87: ("Ticks", "time_us:Q left_out:I ticks:list:tick"),
     0x88: ("LinkErrors", "overrun:I framing:I noise:I parity:I queue_full:I"),
+    0x89: ("LogRecords", "records:list:record"),
+    0x8a: ("LogState", "condition:B unstored:I next:I until:I records:B"),
 }
 RECORDS = {
     "sample": "pressure_10pa:H reference_10pa:H duty:b status:B",
     "step": "step_us:H outputs:B steps:list:h",
     "moment": "state:B channels:list:pressure",
     "pressure": "pressure_10pa:H duty:b",
+    "record": "number:I start:I kind:B code:B channel:B detail:I time_us:Q",
     "tick": "flags:B supply_code:H outputs_crc:I codes:list:H",
 }
 

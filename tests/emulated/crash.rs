@@ -101,6 +101,14 @@ fn a_crash_empties_the_limb_and_is_told_at_the_next_hello() {
         host.wait(500_000);
         assert_eq!(host.mcu.outputs(), TickOutputs::SAFE, "{halt:?}: nothing moves by itself");
         host.get_ready(CHANNELS, SetpointKind::Pressure);
+        // The emulator discards what is written to its flash: the device says so, and goes on.
+        host.demand(ReadLog { session: SESSION, first: 0 });
+        host.wait(10_000);
+        let log = host.heard.iter().find_map(|(_, message)| match message {
+            DeviceMessage::LogState(state) => Some((state.condition.known(), state.unstored, state.records)),
+            _ => None,
+        });
+        assert_eq!(log, Some((Some(LogCondition::Failed), 1, 0)), "{halt:?}: the start alone");
     }
 }
 

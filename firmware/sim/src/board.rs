@@ -1,11 +1,13 @@
 //! The board around the controller: its converters read the plant, its coils drive it, its link is the line.
 
+use softlimb_firmware::log::{Log, LogMemory, prepare};
 use softlimb_firmware::{AdcCode, Board, LOOK_US, TickInputs, TickOutputs};
 use softlimb_plant::{ChannelDrive, Drive, Plant};
 use softlimb_protocol::{MAX_CHANNELS, Outputs};
 
 use crate::clock::Clocks;
 use crate::line::Line;
+use crate::memory::ArrayMemory;
 
 /// Bytes that the transmitter takes before they have left: what a DMA buffer holds.
 const TRANSMIT_BUFFER: usize = 256;
@@ -24,14 +26,30 @@ pub(crate) struct SimulatedBoard {
     pub(crate) emergency_stop: bool,
     inputs: TickInputs,
     outputs: TickOutputs,
+    log: Log,
+    log_memory: ArrayMemory,
 }
 
 impl SimulatedBoard {
     pub(crate) fn new(plant: Plant, to_device: Line, to_host: Line, clocks: Clocks) -> Self {
         let outputs = TickOutputs::SAFE;
+        let (log, mut log_memory) = (Log::new(), ArrayMemory::new());
+        prepare(&mut log_memory);
         let pressure = [AdcCode(0); MAX_CHANNELS];
         let inputs = TickInputs { now_us: clocks.device_us(0), pressure, supply: AdcCode(0), emergency_stop: false };
-        Self { plant, to_device, to_host, clocks, tick: 0, now_us: 0, emergency_stop: false, inputs, outputs }
+        Self {
+            plant,
+            to_device,
+            to_host,
+            clocks,
+            tick: 0,
+            now_us: 0,
+            emergency_stop: false,
+            inputs,
+            outputs,
+            log,
+            log_memory,
+        }
     }
 
     /// Begins the next tick.
@@ -105,6 +123,10 @@ impl Board for SimulatedBoard {
             count += 1;
         }
         count
+    }
+
+    fn log(&mut self) -> Option<(&mut Log, &mut dyn LogMemory)> {
+        Some((&mut self.log, &mut self.log_memory))
     }
 
     fn write_link(&mut self, bytes: &[u8]) {

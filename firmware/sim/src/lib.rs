@@ -30,6 +30,7 @@ pub mod emulated;
 mod error;
 mod line;
 mod mcu;
+mod memory;
 mod noise;
 mod rerun;
 mod settings;

@@ -2,6 +2,7 @@
 
 mod common;
 mod device;
+mod log;
 #[path = "../../../tests/support/samples.rs"]
 mod samples;
 mod supervision;

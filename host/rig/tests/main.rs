@@ -10,6 +10,7 @@ mod link_direct;
 mod link_disturbance;
 mod link_faults;
 mod link_line;
+mod link_log;
 mod link_power_cut;
 mod link_session;
 mod link_stream;

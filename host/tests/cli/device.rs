@@ -287,6 +287,7 @@ fn second_program_looks_beside_a_run() {
     assert_eq!(info["commanded_by_another"], Value::Bool(true));
     assert!(info.get("port_errors").is_none(), "{info}");
     desk.softlimb(&format!("device vent --port {port}")).failed(1, &["another program controls the device"]);
+    desk.softlimb(&format!("device log --port {port}")).failed(1, &["another program controls the device"]);
     desk.softlimb(&format!("device monitor --port {port} --lines 1")).done();
     assert_eq!(host.ended(), Some(0));
 }
@@ -339,6 +340,11 @@ fn device_whose_host_is_killed_holds_ramps_and_vents() {
     assert!(faults("").contains("link lost"), "{}", faults(""));
     desk.softlimb(&format!("device clear --port {address}")).done();
     assert!(faults("--json").contains("\"faults\":[]"), "{}", faults("--json"));
+    // The log keeps what was cleared.
+    let log = desk.softlimb(&format!("device log --port {address}")).done().out;
+    let lines: Vec<_> = log.lines().collect();
+    assert!(lines.len() == 4 && lines[1].contains("1                start: PowerOn"), "{log}");
+    assert!(lines[2].contains("link lost for ") && lines[3] == "records are stored", "{log}");
     // The next host finds a device that it can run on.
     desk.softlimb(&format!("run scene.toml --out results --port {address}")).done();
 }
@@ -394,6 +400,10 @@ fn board_is_asked_measured_and_watched() {
     assert!(info["channels_max"].as_u64() == Some(27) && info.get("config_hash").is_none(), "{info}");
     let none = serde_json::json!({ "overrun": 0, "framing": 0, "noise": 0, "parity": 0, "queue_full": 0 });
     assert_eq!(info["port_errors"], none, "{info}");
+    let log = desk.softlimb(&format!("device log {port} --json")).done().json();
+    assert_eq!((&log["condition"], &log["unstored"]), (&"Kept".into(), &0.into()), "{log}");
+    let start = serde_json::json!([{ "number": 1, "cause": "PowerOn", "detail": 0, "faults": [] }]);
+    assert_eq!(log["starts"], start, "{log}");
     // A device without a configuration measures nothing.
     desk.softlimb(&format!("device sensors {port}")).failed(1, &["no measurements", "--scene"]);
     let readings = desk.softlimb(&format!("device sensors {port} --scene scene.toml --time 0.3s --json")).done().json();
@@ -421,5 +431,6 @@ fn device_verbs_want_a_port() {
     desk.softlimb("device list").done();
     assert!(desk.softlimb("device list --json").done().json().is_array());
     desk.softlimb("device info --port sim").failed(2, &["sim", "device serve"]);
+    desk.softlimb("device log --port sim").failed(2, &["sim", "device serve"]);
     desk.softlimb("device info").failed(2, &["--port"]);
 }

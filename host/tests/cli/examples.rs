@@ -8,7 +8,7 @@ use clap::Command;
 use crate::cli::desk::{Desk, words};
 
 /// Begins of examples that take too long, need files or devices of their own, or need CalculiX, and the one that `readme` runs.
-const PARSED_ONLY: [&str; 35] = [
+const PARSED_ONLY: [&str; 36] = [
     "run scenes/pick-and-place-a.toml",
     "design limb",
     "design actuators",
@@ -37,6 +37,7 @@ const PARSED_ONLY: [&str; 35] = [
     "device test scenes/single-bending.toml --port /dev",
     "device serve",
     "device info",
+    "device log",
     "device clear",
     "device sensors",
     "device monitor",

@@ -234,7 +234,8 @@ fn by_hand() -> impl Strategy<Value = HostMessage> {
         SetSampling { session, period_us, samples, content }.into()
     });
     let errors = any::<u16>().prop_map(|session| ReadLinkErrors { session }.into());
-    prop_oneof![pulse, outputs, sampling, errors]
+    let log = any::<(u16, u32)>().prop_map(|(session, first)| ReadLog { session, first }.into());
+    prop_oneof![pulse, outputs, sampling, errors, log]
 }
 
 fn hello_reply() -> impl Strategy<Value = DeviceMessage> {
@@ -280,6 +281,26 @@ fn telemetry() -> impl Strategy<Value = DeviceMessage> {
     })
 }
 
+fn log_messages() -> impl Strategy<Value = DeviceMessage> {
+    let record = (any::<(u32, u32, u8, u8, u32, u64)>(), code()).prop_map(
+        |((number, start, code, channel, detail, time_us), kind)| LogRecord {
+            number,
+            start,
+            kind,
+            code,
+            channel,
+            detail,
+            time_us,
+        },
+    );
+    let records = vec(record, 1..=10)
+        .prop_map(|records| LogRecords { records: batch(records, |batch, record| batch.push(record).is_ok()) }.into());
+    let state = (any::<(u32, u32, u32, u8)>(), code()).prop_map(|((unstored, next, until, records), condition)| {
+        LogState { condition, unstored, next, until, records }.into()
+    });
+    prop_oneof![records, state]
+}
+
 /// Any message to the host.
 pub(crate) fn device_message() -> impl Strategy<Value = DeviceMessage> {
     let ack = (any::<(u8, u16, u32, u16, u64)>(), code()).prop_map(|(n, result)| {
@@ -293,5 +314,15 @@ pub(crate) fn device_message() -> impl Strategy<Value = DeviceMessage> {
     let errors = any::<[u32; 5]>().prop_map(|[overrun, framing, noise, parity, queue_full]| {
         LinkErrors { overrun, framing, noise, parity, queue_full }.into()
     });
-    prop_oneof![hello_reply(), ack, heartbeat, telemetry(), samples_message(), ticks_message(), fault, errors]
+    prop_oneof![
+        hello_reply(),
+        ack,
+        heartbeat,
+        telemetry(),
+        samples_message(),
+        ticks_message(),
+        fault,
+        errors,
+        log_messages(),
+    ]
 }

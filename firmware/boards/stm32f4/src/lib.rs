@@ -7,6 +7,7 @@ pub mod backstop;
 pub mod brown_out;
 pub mod exchange;
 pub mod health;
+pub mod log_sectors;
 pub mod pins;
 pub mod reception;
 pub mod record;

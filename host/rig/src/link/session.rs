@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 
 use softlimb_protocol::{
     Ack, Compatibility, Decoder, DeviceMessage, DeviceState, Heartbeat, HeartbeatReply, HelloReply, HostMessage, Knots,
-    MAX_FRAME_LEN, ReliableSender, RetryPolicy, SendError, SenderStep, Setpoint, Telemetry, encode_frame,
+    LogRecord, LogState, MAX_FRAME_LEN, ReliableSender, RetryPolicy, SendError, SenderStep, Setpoint, Telemetry,
+    encode_frame,
 };
 
 use super::clock::{ClockEstimator, ClockMap};
@@ -50,6 +51,8 @@ pub struct Session {
     device_time_us: u64,
     buffered_min_us: Option<u64>,
     statistics: LinkStatistics,
+    log_records: Vec<LogRecord>,
+    log_state: Option<LogState>,
 }
 
 impl Session {
@@ -77,6 +80,8 @@ impl Session {
             device_time_us: 0,
             buffered_min_us: None,
             statistics: LinkStatistics::default(),
+            log_records: Vec::new(),
+            log_state: None,
         }
     }
 
@@ -182,6 +187,8 @@ impl Session {
             DeviceMessage::Telemetry(message) => self.on_telemetry(now_us, message),
             DeviceMessage::Samples(message) => self.events.push_back(Event::Samples { host_time_us: now_us, message }),
             DeviceMessage::Fault(message) => self.events.push_back(Event::Fault { host_time_us: now_us, message }),
+            DeviceMessage::LogRecords(message) => self.log_records = message.records.iter().collect(),
+            DeviceMessage::LogState(state) => self.log_state = Some(state),
             DeviceMessage::LinkErrors(errors) => self.statistics.port_errors = Some(PortErrors::from(&errors)),
             DeviceMessage::HelloReply(reply) if reply.session != self.id => self.refused_reply = Some(reply),
             // Ticks are for a replay: the log has the bytes.
@@ -233,6 +240,22 @@ impl Session {
     /// Wants to hear the state anew. The line keeps the order: whatever arrives after an answer was said after it.
     pub(super) fn forget_state(&mut self) {
         self.state = None;
+    }
+
+    /// Waits for a part of the log anew.
+    pub(super) fn forget_log(&mut self) {
+        self.log_records.clear();
+        self.log_state = None;
+    }
+
+    /// The message that ends a part of the log.
+    pub(super) fn log_state(&self) -> Option<&LogState> {
+        self.log_state.as_ref()
+    }
+
+    /// The records of that part.
+    pub(super) fn take_log_records(&mut self) -> Vec<LogRecord> {
+        std::mem::take(&mut self.log_records)
     }
 
     /// Next event, in order.

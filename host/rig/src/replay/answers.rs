@@ -28,7 +28,10 @@ pub(super) fn device_us(message: &DeviceMessage) -> Option<u64> {
             let steps = ticks.ticks.len().saturating_sub(1) as u64;
             Some(ticks.time_us.saturating_add(1_000 * steps))
         }
-        DeviceMessage::Fault(_) | DeviceMessage::LinkErrors(_) => None,
+        DeviceMessage::Fault(_)
+        | DeviceMessage::LinkErrors(_)
+        | DeviceMessage::LogRecords(_)
+        | DeviceMessage::LogState(_) => None,
     }
 }
 

@@ -111,8 +111,8 @@ impl<'a> Compared<'a> {
         }
         let mut message = message.clone();
         match &mut message {
-            // Of a port that the re-run does not have.
-            DeviceMessage::LinkErrors(_) => return None,
+            // Of a port and of a memory that the re-run does not have.
+            DeviceMessage::LinkErrors(_) | DeviceMessage::LogRecords(_) | DeviceMessage::LogState(_) => return None,
             DeviceMessage::HelloReply(reply) => reply.channels_max = 0,
             DeviceMessage::Telemetry(telemetry) => {
                 telemetry.stack_used = 0;

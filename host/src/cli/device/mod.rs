@@ -4,6 +4,7 @@ mod clear;
 mod hand;
 mod info;
 mod list;
+mod log;
 mod monitor;
 mod screen;
 mod sensors;
@@ -27,6 +28,7 @@ pub(super) struct Device {
 enum Verb {
     List(list::List),
     Info(info::Info),
+    Log(log::Log),
     Sensors(sensors::Sensors),
     Monitor(monitor::Monitor),
     Test(test::Test),
@@ -43,6 +45,7 @@ impl Device {
         match &self.verb {
             Verb::List(verb) => verb.run(),
             Verb::Info(verb) => verb.run(),
+            Verb::Log(verb) => verb.run(),
             Verb::Sensors(verb) => verb.run(),
             Verb::Monitor(verb) => verb.run(),
             Verb::Test(verb) => verb.run(),

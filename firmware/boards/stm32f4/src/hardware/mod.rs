@@ -9,6 +9,7 @@ pub mod converter;
 pub mod crash;
 pub mod host;
 pub mod image;
+pub mod log_flash;
 pub mod option_bytes;
 pub mod ports;
 pub mod receiver;

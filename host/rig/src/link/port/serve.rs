@@ -160,7 +160,9 @@ impl Listener {
                     DeviceMessage::Ack(_)
                     | DeviceMessage::Samples(_)
                     | DeviceMessage::Ticks(_)
-                    | DeviceMessage::LinkErrors(_) => continue,
+                    | DeviceMessage::LinkErrors(_)
+                    | DeviceMessage::LogRecords(_)
+                    | DeviceMessage::LogState(_) => continue,
                 },
                 _ => continue,
             };

@@ -3,8 +3,10 @@
 use core::sync::atomic::{AtomicU16, AtomicU32, Ordering};
 
 use heapless::spsc::{Consumer, Producer};
+use softlimb_firmware::log::{Log, LogMemory};
 use softlimb_firmware::{AdcCode, Board, TICK_US};
 use softlimb_image_stm32f4::hardware::coils::COILS;
+use softlimb_image_stm32f4::hardware::log_flash::LogFlash;
 use softlimb_image_stm32f4::hardware::{converter, ports};
 use softlimb_image_stm32f4::pins::{CHANNELS, EMERGENCY_STOP, TickInputs, TickOutputs};
 use softlimb_image_stm32f4::reception::ErrorCounts;
@@ -42,6 +44,9 @@ pub(crate) struct FlashedBoard {
     incoming: Consumer<'static, u8>,
     outgoing: Producer<'static, u8>,
     pump: PumpDensity,
+    log: Log,
+    /// `None` if the image is damaged: such a program writes no flash.
+    log_flash: Option<LogFlash>,
     /// Without exact time, or with a damaged image, nothing may move: no sensor is believed, and the device does not become ready.
     is_trusted: bool,
     ticks: u32,
@@ -49,8 +54,13 @@ pub(crate) struct FlashedBoard {
 }
 
 impl FlashedBoard {
-    pub(crate) fn new(incoming: Consumer<'static, u8>, outgoing: Producer<'static, u8>, is_trusted: bool) -> Self {
-        Self { incoming, outgoing, pump: PumpDensity::new(), is_trusted, ticks: 0, now_ticks: 0 }
+    pub(crate) fn new(
+        (incoming, outgoing): (Consumer<'static, u8>, Producer<'static, u8>),
+        log_flash: Option<LogFlash>,
+        is_trusted: bool,
+    ) -> Self {
+        let (pump, log) = (PumpDensity::new(), Log::new());
+        Self { incoming, outgoing, pump, log, log_flash, is_trusted, ticks: 0, now_ticks: 0 }
     }
 
     /// Whether a tick has begun since the last turn.
@@ -100,6 +110,10 @@ impl Board<CHANNELS> for FlashedBoard {
 
     fn link_errors(&self) -> LinkErrors {
         LINK_ERRORS.now()
+    }
+
+    fn log(&mut self) -> Option<(&mut Log, &mut dyn LogMemory)> {
+        Some((&mut self.log, self.log_flash.as_mut()?))
     }
 
     fn stack_used(&self) -> u16 {

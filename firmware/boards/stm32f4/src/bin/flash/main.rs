@@ -19,9 +19,11 @@ mod app {
     use core::sync::atomic::Ordering;
 
     use heapless::spsc::{Consumer, Producer, Queue};
+    use softlimb_firmware::log::{prepare, wants_room};
     use softlimb_firmware::{BootInfo, LOOK_US};
     use softlimb_image_stm32f4::hardware::backstop::Backstop;
     use softlimb_image_stm32f4::hardware::coils::{COILS, tick_begins};
+    use softlimb_image_stm32f4::hardware::log_flash::LogFlash;
     use softlimb_image_stm32f4::hardware::receiver::Receiver;
     use softlimb_image_stm32f4::hardware::watchdog::Watchdog;
     use softlimb_image_stm32f4::hardware::{clocks, converter, crash, image, option_bytes, ports, stack};
@@ -72,6 +74,11 @@ mod app {
         if boot.cause == BootCause::PowerOn {
             option_bytes::set_brown_out_level(&device.FLASH);
         }
+        let mut log = LogFlash::new(device.FLASH);
+        // Erasing takes seconds, and no coil has current yet. After a crash the vents must not wait. A damaged image erases nothing.
+        if !boot.is_after_crash() && wants_room(&log) && image::is_sealed() {
+            prepare(&mut log);
+        }
         // Before the clocks, so that nothing on the way can last.
         let watchdog = Watchdog::start(device.IWDG, Window::STARTING);
         let first = if boot.is_after_crash() { VENTING } else { OFF };
@@ -100,7 +107,7 @@ mod app {
         timer.enable_interrupt();
         let (received, incoming) = context.local.incoming.split();
         let (outgoing, to_send) = context.local.outgoing.split();
-        let board = FlashedBoard::new(incoming, outgoing, source.is_exact() && is_sealed);
+        let board = FlashedBoard::new((incoming, outgoing), is_sealed.then_some(log), source.is_exact() && is_sealed);
         (
             Shared {},
             Local { watchdog, backstop, transmitter, receiver, received, to_send, board, boot: Some(boot), source },
