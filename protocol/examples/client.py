@@ -205,7 +205,7 @@ class Host:  # one session (sections 3 and 4)
     def configure(self, channels, pressure_max_pa):
         """Section 5: straight tubes of a neo-Hookean elastomer with two windings, set points in pascal."""
         times, air = (5000, 20000, 250000, 2000000, 0), (20e3, 100e3, 300e3, 101325, 293.15, 1.44e-9, 0.3)
-        system = struct.pack("<4IB7f2I5fH", *times, *air, 3500, 2000, 3.78e-9, 0, 206843, 0, 689476, 4095)
+        system = struct.pack("<4IB7f2I5fHB", *times, *air, 3500, 2000, 3.78e-9, 0, 206843, 0, 689476, 4095, 0)
         parts = [(BEGIN, struct.pack("<B", channels)), (SYSTEM, system)]
         for channel in range(channels):
             codes = struct.pack("<6B", channel, 0, 0, 0, 2, 0)
