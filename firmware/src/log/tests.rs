@@ -74,7 +74,7 @@ impl LogMemory for Cells {
         for index in 0..WORDS_OF_SECTOR {
             let word = if is_whole { BLANK } else { self.words[sector][index] | self.random() };
             self.words[sector][index] = word;
-            if !is_whole && self.random() % 4 == 0 {
+            if !is_whole && self.random().is_multiple_of(4) {
                 self.words[sector][index] = [0, BLANK, word][self.random() as usize % 3];
             }
         }

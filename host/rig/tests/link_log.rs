@@ -78,7 +78,7 @@ fn long_log_comes_whole_over_a_bad_line() {
         mcu.processor_mut().crash().unwrap();
     }
     pass(&mut mcu, 200_000);
-    mcu.set_line_faults(LineFaults { drop: 5e-4, flip: 5e-4, duplicate: 5e-4 }).unwrap();
+    mcu.set_line_faults(LineFaults { drop: 1e-3, flip: 1e-3, duplicate: 1e-3 }).unwrap();
     let log = read_log(&mut mcu, &session(0)).unwrap();
     let mut expected = vec![(1, Some(BootCause::PowerOn), vec![])];
     expected.extend((2..=101).map(|number| (number, Some(BootCause::HardFault), vec![])));
