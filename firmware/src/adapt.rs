@@ -156,7 +156,7 @@ impl Adaptation {
         }
     }
 
-    /// Takes the integral of an error as a drift, Pa/s, that lets the pressure fall short.
+    /// Adds integral action, Pa/s, to the drift with the opposite sign: a pressure that falls short counts as a negative drift.
     pub(crate) fn integrate(&mut self, lacking_pa_per_s: f32) {
         let drift = self.drift_pa_per_s - lacking_pa_per_s;
         self.drift_pa_per_s = drift.clamp(-DRIFT_MAX_PA_PER_S, DRIFT_MAX_PA_PER_S);

@@ -174,7 +174,7 @@ impl AirBalance {
         self.doubt_pa += effect_pa.abs() * chamber_doubt;
     }
 
-    /// Takes by how much the reading comes back beyond its prediction once a valve has closed, Pa, signed: the line lets too little air through.
+    /// Counts as unexplained the difference between the settled reading and its prediction behind a kinked hose, Pa, signed.
     pub(crate) fn come_to_rest(&mut self, beyond_pa: f32) {
         self.unexplained.excess_pa = self.unexplained.excess_pa.max(beyond_pa);
         self.unexplained.missing_pa = self.unexplained.missing_pa.max(-beyond_pa);

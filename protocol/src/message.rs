@@ -245,7 +245,7 @@ interface! {
             Kept = 1,
             /// The memory is full until the next start.
             Full = 2,
-            /// The memory was not prepared, or does not hold what was written. Nothing more is stored until the next start.
+            /// The memory has no header record, or a record did not read back as written. The device stores no records until the next start.
             Failed = 3,
         }
 

@@ -149,7 +149,7 @@ fn lives(memory: &mut Cells) -> Vec<i32> {
     (0..18).flat_map(|round| life(memory, &mut name, 1 + round % 4)).collect()
 }
 
-/// What is kept is a run of the last records, and at least so many.
+/// The records in the log are the newest of those stored, without a gap, and at least `least` of them.
 #[track_caller]
 fn is_newest_part(kept: &[i32], stored: &[i32], least: usize, place: &str) {
     assert!(stored.ends_with(kept), "{place}: {kept:?} of {stored:?}");
