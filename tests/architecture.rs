@@ -52,6 +52,7 @@ const ARROWS: &[(&str, &str)] = &[
     ("softlimb-rig", "softlimb-chart"),
     ("softlimb-rig", "softlimb-fea"),
     ("softlimb-rig", "softlimb-files"),
+    ("softlimb-rig", "softlimb-firmware"),
     ("softlimb-rig", "softlimb-limb"),
     ("softlimb-rig", "softlimb-motion"),
     ("softlimb-rig", "softlimb-numerics"),

@@ -68,6 +68,12 @@ impl Chamber {
         tangent.max(self.rest_volume_m3)
     }
 
+    /// Mass of the air at a gauge pressure and a temperature, kg: `P V / (R T)` with `P` absolute.
+    pub fn air_kg(&self, pressure_pa: f32, atmosphere: Absolute, temperature_k: f32) -> f32 {
+        let absolute_pa = Absolute::from_gauge(pressure_pa, atmosphere).pa();
+        absolute_pa * self.volume_at(pressure_pa) / (GAS_CONSTANT_J_PER_KG_K * temperature_k)
+    }
+
     /// Pressure rise per mass of air, Pa/kg: `n R T / (V + n P dV/dP)` with `P` absolute and `n` about 1.2.
     pub fn stiffness_pa_per_kg(&self, pressure_pa: f32, atmosphere: Absolute, temperature_k: f32) -> f32 {
         POLYTROPIC_EXPONENT * GAS_CONSTANT_J_PER_KG_K * temperature_k / self.capacity_m3(pressure_pa, atmosphere)
@@ -114,6 +120,8 @@ mod tests {
             dead_volume_m3: 8e-6,
         };
         assert!((rigid.line_share(50e3, ATMOSPHERE) - 0.1).abs() < 1e-6);
+        // 151325 * 80e-6 / (287.05 * 293.15) = 143.864 mg.
+        assert!((rigid.air_kg(5e4, ATMOSPHERE, 293.15) / 143.864e-6 - 1.0).abs() < 1e-4);
         // 1.2 * 287.05 * 293.15 / 80e-6 = 1.26224e9 Pa/kg.
         let stiffness = rigid.stiffness_pa_per_kg(5e4, ATMOSPHERE, 293.15);
         assert!((stiffness / 1.262_24e9 - 1.0).abs() < 1e-4, "{stiffness}");

@@ -2,7 +2,7 @@
 
 use softlimb_rig::link::{Step, StepKind, StreamOptions, Verdict, commission};
 use softlimb_sim::SimSettings;
-use softlimb_sim::plant::{PartFault, Supply};
+use softlimb_sim::plant::{PartFault, Spread, Supply};
 
 use crate::link_common::{SESSION, configuration, device, settings};
 
@@ -88,6 +88,46 @@ fn valves_that_stay_closed_and_exchanged_plugs_are_found() {
     assert_eq!((failed, first_passed), (vec![(StepKind::Fill, Some(1))], true));
     let (failed, _) = finds(PartFault::SensorsSwapped, StepKind::Fill, "channel 0 rises");
     assert_eq!(failed, [(StepKind::Fill, Some(0)), (StepKind::Fill, Some(1))], "and no chamber bursts meanwhile");
+}
+
+/// Flow beside the modelled one and its uncertainty in percent, from the finding of a step.
+fn flow(steps: &[Step], kind: StepKind) -> (f64, f64) {
+    let finding = &steps.iter().find(|step| (step.kind, step.channel) == (kind, Some(0))).unwrap().finding;
+    let told = finding.strip_suffix(" % of the modelled flow").and_then(|text| text.rsplit_once(": ")).unwrap().1;
+    let (share, uncertainty) = told.split_once(" +- ").unwrap();
+    (share.parse().unwrap(), uncertainty.parse().unwrap())
+}
+
+#[test]
+fn flow_of_either_valve_is_told_beside_the_modelled_one() {
+    // Valve and line in series, as ISO 6358 has it.
+    let path = |valve: f64| valve * 3.78 / valve.hypot(3.78);
+    for (valve, delay_us) in [(1.44, 0.0), (0.9, 0.0), (2.2, 0.0), (1.44, 700.0)] {
+        let mut settings = settings(2);
+        settings.plant.spread = Spread::NONE;
+        for channel in &mut settings.plant.channels {
+            channel.valve.conductance_m3_per_s_pa = valve * 1e-9;
+            channel.valve.on_delay_us += delay_us;
+        }
+        let steps = commissioned(&settings, None);
+        let expected = 100.0 * path(valve) / path(1.44);
+        for kind in [StepKind::Fill, StepKind::Vent] {
+            let (share, uncertainty) = flow(&steps, kind);
+            // Air that was let out a moment ago is cold, and its pressure low.
+            let allowed = uncertainty + 0.08 * expected;
+            assert!((share - expected).abs() <= allowed, "{kind}: {share} +- {uncertainty}, {expected}");
+            assert!(uncertainty <= 40.0, "{kind}: {uncertainty}");
+        }
+    }
+}
+
+#[test]
+fn kinked_hose_is_found_by_the_flow_of_the_vent() {
+    // Short pulses fill the hose up to the kink, and the air passes it afterwards: the fill valve shows nothing of it.
+    for share in [0.1, 0.02] {
+        let (failed, first_passed) = finds(PartFault::HoseKinked { share }, StepKind::Vent, "of the modelled flow");
+        assert_eq!((failed, first_passed), (vec![(StepKind::Vent, Some(1))], true));
+    }
 }
 
 #[test]

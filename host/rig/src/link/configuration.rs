@@ -1,5 +1,6 @@
 //! A configuration on its way to the device.
 
+use softlimb_firmware::{ActiveConfig, StagedConfig, StagingError};
 use softlimb_protocol::{
     ConfigBegin, ConfigChannel, ConfigCommit, ConfigHash, ConfigInverse, ConfigSystem, ConfigVolume, HostMessage,
     MAX_CHANNELS,
@@ -55,5 +56,25 @@ impl DeviceConfiguration {
         }
         messages.push(ConfigCommit { session, config_hash: hash.value() }.into());
         Ok((messages, hash.value()))
+    }
+    /// The configuration as the device has it after the upload.
+    ///
+    /// # Errors
+    /// [`StagingError`] that the device would answer.
+    pub(super) fn active(&self) -> Result<ActiveConfig, StagingError> {
+        let (messages, hash) = self.upload(0).map_err(|_| StagingError::Mismatch)?;
+        let (mut staged, mut active) = (StagedConfig::new(), None);
+        for message in &messages {
+            match message {
+                HostMessage::ConfigBegin(begin) => staged.begin(begin)?,
+                HostMessage::ConfigSystem(system) => staged.add_system(system)?,
+                HostMessage::ConfigChannel(channel) => staged.add_channel(channel)?,
+                HostMessage::ConfigVolume(volume) => staged.add_volume(volume)?,
+                HostMessage::ConfigInverse(inverse) => staged.add_inverse(inverse)?,
+                _ => {}
+            }
+        }
+        staged.commit(hash, &mut active)?;
+        active.ok_or(StagingError::Mismatch)
     }
 }

@@ -1,8 +1,10 @@
 //! Commissioning of a device: link, sensors, supply and valves one after another, each step with a verdict.
 //!
 //! The steps move air: a channel is filled by pulses to 10 kPa or a third of its highest pressure, whichever is less, watched with closed
-//! valves, and vented. All faults of the device are watched meanwhile.
+//! valves, and vented. The flow of both valves is compared with the model that the device computes with. All faults of the device are watched
+//! meanwhile.
 
+mod flow;
 mod probe;
 mod step;
 
@@ -104,16 +106,18 @@ fn whole<T: Transport>(
     {
         return steps.failed(StepKind::Configuration, None, error.to_string());
     }
+    let model = match configuration.active() {
+        Ok(model) => model,
+        Err(error) => return steps.failed(StepKind::Configuration, None, error.to_string()),
+    };
     steps.add(StepKind::Configuration, None, passed(format!("{} channels", configuration.channels.len())));
     if !sensors(probe, configured, configuration.channels.len(), steps) {
         return;
     }
     let supply = supply(probe, configuration, options.supply_max_us);
     if steps.add(StepKind::Supply, None, supply) && closed(probe, configuration.channels.len(), steps) {
-        for (index, channel) in (0_u8..).zip(&configuration.channels) {
-            probe.channel(index, f64::from(channel.pressure_max_pa), |kind, finding| {
-                steps.add(kind, Some(index), finding)
-            });
+        for index in 0..configuration.channels.len() as u8 {
+            probe.channel(index, &model, |kind, finding| steps.add(kind, Some(index), finding));
         }
     }
     let down = probe.down();

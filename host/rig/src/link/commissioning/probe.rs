@@ -2,8 +2,10 @@
 
 use std::cell::RefCell;
 
+use softlimb_firmware::{ActiveConfig, Direction};
 use softlimb_protocol::{ChannelStatus, DeviceState, PulseDirection, Telemetry};
 
+use super::flow::{Pulses, Share};
 use super::step::{Finding, StepKind, failed, passed};
 use crate::link::direct::Direct;
 use crate::link::error::LinkError;
@@ -34,10 +36,15 @@ const WINDOW_US: u64 = 250_000;
 const RATE_PA_PER_S: f64 = 150.0;
 /// Pulse that opens the supply of a ready device, but no fill valve, us: shorter than any opening delay.
 const SUPPLY_PULSE_US: u32 = 1_000;
-/// One pulse of the vent, us, their number, and the pressure of a vented chamber, Pa.
-const VENT_US: u32 = 500_000;
-const VENTS: usize = 8;
+/// First and longest pulse of the vent, us, the longest time of the vent valve, us, and the pressure of a vented chamber, Pa. Each pulse is twice
+/// as long as the one before.
+const VENT_US: u32 = 20_000;
+const VENT_MAX_US: u32 = 500_000;
+const VENTS_US: u32 = 4_000_000;
 const VENTED_PA: f64 = 2_000.0;
+/// Share of its pressure that a chamber has kept at least, and lost at least, where the flow of its vent is judged: the last of the air says little.
+const KEPT_SHARE: f64 = 0.2;
+const LOST_SHARE: f64 = 0.1;
 
 /// A device under direct control, and the measurements that it sends.
 pub(super) struct Probe<'a, 'h, T> {
@@ -86,15 +93,18 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
     }
 
     /// Fills, watches and vents one channel. `add` notes a step and says whether it passed.
-    pub(super) fn channel(&mut self, index: u8, pressure_max_pa: f64, mut add: impl FnMut(StepKind, Finding) -> bool) {
-        let target_pa = TARGET_PA.min(TARGET_SHARE * pressure_max_pa);
-        let filled = self.fill(index, target_pa);
+    pub(super) fn channel(&mut self, index: u8, model: &ActiveConfig, mut add: impl FnMut(StepKind, Finding) -> bool) {
+        let channel = usize::from(index);
+        let pulses = [Direction::Fill, Direction::Vent].map(|direction| Pulses::new(model, channel, direction));
+        let ([Some(fills), Some(vents)], Some(config)) = (pulses, model.channels.get(channel)) else { return };
+        let target_pa = TARGET_PA.min(TARGET_SHARE * f64::from(config.pressure_max_pa));
+        let filled = self.fill(index, target_pa, fills);
         if !add(StepKind::Fill, self.told(filled)) {
             return;
         }
-        let leak = self.leak(usize::from(index));
+        let leak = self.leak(channel);
         add(StepKind::Leak, leak);
-        let vented = self.vent(index);
+        let vented = self.vent(index, vents);
         add(StepKind::Vent, self.told(vented));
     }
 
@@ -104,7 +114,7 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
     }
 
     /// Pulses the fill valve until its chamber is at the target.
-    fn fill(&mut self, index: u8, target_pa: f64) -> Result<Finding, LinkError> {
+    fn fill(&mut self, index: u8, target_pa: f64, mut pulses: Pulses<'_>) -> Result<Finding, LinkError> {
         let channel = usize::from(index);
         let before = self.observe(REST_US);
         let start_pa = mean_pa(&before, channel);
@@ -112,6 +122,7 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
         let mut moved = None;
         while moved.is_none() && at_pa - start_pa < target_pa && spent_us < FILL_US {
             self.hand.pulse(index, PulseDirection::Fill, pulse_us)?;
+            pulses.add(pulse_us);
             let during = self.observe(u64::from(pulse_us) + REST_US / 4);
             peak_pa = pressures_pa(&during, channel).fold(peak_pa, f64::max);
             let after = self.observe(REST_US);
@@ -133,12 +144,13 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
         let held_pa = mean_pa(&rest[rest.len() - rest.len() / 4..], channel);
         let [from, to, peak] = [start_pa, at_pa, peak_pa].map(|pressure_pa| pressure_pa * 1e-3);
         let text = format!("{from:.2} to {to:.2} kPa within {} ms", spent_us / 1_000);
+        let share = pulses.share(start_pa, held_pa, supply_pa(&before));
         Ok(match moved {
             Some(other) => failed(format!("{text}; channel {other} rises")),
             None if peak_pa - start_pa >= EFFECT_PA && held_pa - start_pa < HELD_SHARE * target_pa => {
                 failed(self.with_faults(format!("{text}: {peak:.2} kPa while it fills, and the air escapes")))
             }
-            None if at_pa - start_pa >= target_pa => passed(text),
+            None if at_pa - start_pa >= target_pa => self.judged(&text, Some(share)),
             None => failed(self.with_faults(text)),
         })
     }
@@ -171,22 +183,36 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
     }
 
     /// Pulses the vent valve until its chamber is empty.
-    fn vent(&mut self, index: u8) -> Result<Finding, LinkError> {
+    fn vent(&mut self, index: u8, mut pulses: Pulses<'_>) -> Result<Finding, LinkError> {
         let channel = usize::from(index);
-        let start_pa = mean_pa(&self.observe(REST_US), channel);
-        let mut at_pa = start_pa;
-        for _ in 0..VENTS {
-            if at_pa <= VENTED_PA {
-                break;
-            }
-            self.hand.pulse(index, PulseDirection::Vent, VENT_US)?;
-            self.observe(u64::from(VENT_US));
+        let before = self.observe(REST_US);
+        let (start_pa, supply_pa) = (mean_pa(&before, channel), supply_pa(&before));
+        let (mut at_pa, mut pulse_us, mut spent_us, mut share) = (start_pa, VENT_US, 0, None);
+        while at_pa > VENTED_PA && spent_us < VENTS_US {
+            self.hand.pulse(index, PulseDirection::Vent, pulse_us)?;
+            self.observe(u64::from(pulse_us) + REST_US / 2);
+            // Air that was let out a moment ago is cold, and its pressure low.
             at_pa = mean_pa(&self.observe(REST_US), channel);
+            pulses.add(pulse_us);
+            if at_pa >= KEPT_SHARE * start_pa && at_pa <= (1.0 - LOST_SHARE) * start_pa {
+                share = Some(pulses.share(start_pa, at_pa, supply_pa));
+            }
+            spent_us += pulse_us;
+            pulse_us = VENT_MAX_US.min(2 * pulse_us);
         }
         let text = format!("{:.2} to {:.2} kPa", start_pa * 1e-3, at_pa * 1e-3);
         // A chamber that is empty already shows nothing of its vent.
         let is_good = at_pa <= VENTED_PA && start_pa - at_pa >= EFFECT_PA;
-        Ok(if is_good { passed(text) } else { failed(self.with_faults(text)) })
+        Ok(if is_good { self.judged(&text, share) } else { failed(self.with_faults(text)) })
+    }
+
+    /// A valve that moves its chamber, by its flow where that was measured.
+    fn judged(&self, text: &str, share: Option<Share>) -> Finding {
+        match share {
+            Some(share) if share.is_usable() => passed(format!("{text}: {share}")),
+            Some(share) => failed(self.with_faults(format!("{text}: {share}"))),
+            None => passed(text.to_owned()),
+        }
     }
 }
 

@@ -17,11 +17,11 @@ pub enum StepKind {
     Supply,
     /// A chamber keeps its pressure while all valves are closed.
     Closed,
-    /// The fill valve raises the pressure of its chamber, and of no other.
+    /// The fill valve raises the pressure of its chamber, and of no other, about as fast as modelled.
     Fill,
     /// The chamber holds the pressure.
     Leak,
-    /// The vent valve lets it out.
+    /// The vent valve lets it out, about as fast as modelled.
     Vent,
     /// All pressures are down.
     Down,
@@ -109,10 +109,13 @@ impl StepKind {
                 "a fill valve that does not close: dirt in its seat, exchanged ports, a driver that stays on"
             }
             Self::Fill => {
-                "coil and driver of the fill valve; the hose to the chamber; a vent valve that stays open; exchanged hoses or plugs"
+                "coil and driver of the fill valve; the hose to the chamber; a vent valve that stays open; exchanged hoses \
+                 or plugs; `plant.valve`, `plant.line` and the actuators of the scene"
             }
             Self::Leak => "fittings, hose and actuator in soapy water; the seats of both valves",
-            Self::Vent => "coil and driver of the vent valve; a blocked outlet",
+            Self::Vent => {
+                "coil and driver of the vent valve; a blocked outlet; a kinked hose to the chamber; `plant.valve` and `plant.line` of the scene"
+            }
             Self::Down => "vent valves; disconnect the supply and open a hose before you touch the limb",
         }
     }
