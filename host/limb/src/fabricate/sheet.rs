@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use askama::Template;
 use serde::Serialize;
 
 use super::drawing::{drawing, mold_drawing};
@@ -96,9 +97,9 @@ pub fn markdown(sheet: &Sheet) -> String {
 }
 
 /// The sheet with its drawings.
-#[derive(Serialize)]
+#[derive(Template)]
+#[template(path = "fabricate/sheet.html")]
 struct Drawn<'a> {
-    #[serde(flatten)]
     sheet: &'a Sheet,
     /// For each page the actuator, and its mold.
     drawings: Vec<[String; 2]>,
@@ -107,8 +108,6 @@ struct Drawn<'a> {
 /// The sheet of pieces as one HTML file with drawings that needs nothing beside it; each page begins on a sheet of paper of its own.
 pub fn html(sheet: &Sheet, pieces: &[Piece]) -> String {
     let drawn = Drawn { sheet, drawings: pieces.iter().map(|piece| [drawing(piece), mold_drawing(piece)]).collect() };
-    // The name ends in .html: everything but the drawings is escaped.
-    minijinja::Environment::new()
-        .render_named_str("sheet.html", include_str!("sheet.html"), minijinja::value::Serde(drawn))
-        .expect("the template is part of the program and every test renders it")
+    // The name of the template ends in .html: everything but the drawings is escaped.
+    drawn.render().expect("a page is written to memory")
 }

@@ -1,30 +1,27 @@
 //! The tables that both pages have.
 
-use serde::Serialize;
-
 use super::Summary;
 use super::rows::{self, ErrorRow, Fact, ModuleRow, TargetRow};
 use super::table::origin;
 use crate::record::{RunInfo, RunLog};
 
 /// Words and numbers of a run, ready for a template.
-#[derive(Debug, Serialize)]
 pub(super) struct Facts {
-    scene: String,
-    origin: String,
-    time: String,
-    incomplete: Option<String>,
-    module_value: &'static str,
-    modules: Vec<ModuleRow>,
-    errors: Vec<ErrorRow>,
-    faults: Vec<String>,
-    injected: Vec<String>,
-    targets: Vec<TargetRow>,
-    peak: Option<String>,
-    states: Vec<String>,
-    gripper: Vec<String>,
-    link: Vec<Fact>,
-    provenance: Vec<Fact>,
+    pub(super) scene: String,
+    pub(super) origin: String,
+    pub(super) time: String,
+    pub(super) incomplete: Option<String>,
+    pub(super) module_value: &'static str,
+    pub(super) modules: Vec<ModuleRow>,
+    pub(super) errors: Vec<ErrorRow>,
+    pub(super) faults: Vec<String>,
+    pub(super) injected: Vec<String>,
+    pub(super) targets: Vec<TargetRow>,
+    pub(super) peak: Option<String>,
+    pub(super) states: Vec<String>,
+    pub(super) gripper: Vec<String>,
+    pub(super) link: Vec<Fact>,
+    pub(super) provenance: Vec<Fact>,
 }
 
 /// The words and numbers of a run.

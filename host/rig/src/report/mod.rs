@@ -23,18 +23,7 @@ pub use stats::ErrorStats;
 pub use still::still_html;
 pub use summary::{Miss, ModuleSummary, PressureSummary, Summary, TipSummary, summary};
 
-/// A template with its data. All names end in .html: everything but drawings, scripts and styles is escaped.
-fn rendered(name: &str, data: &impl serde::Serialize) -> String {
-    const TEMPLATES: [(&str, &str); 5] = [
-        ("page.html", include_str!("moving/page.html")),
-        ("still.html", include_str!("still.html")),
-        ("head.html", include_str!("head.html")),
-        ("summary.html", include_str!("summary.html")),
-        ("facts.html", include_str!("facts.html")),
-    ];
-    let mut templates = minijinja::Environment::new();
-    let added = TEMPLATES.into_iter().try_for_each(|(name, text)| templates.add_template(name, text));
-    let rendered =
-        added.and_then(|()| templates.get_template(name)).and_then(|page| page.render(minijinja::value::Serde(data)));
-    rendered.expect("the templates are part of the program and every test renders them")
+/// The page of a template that the compiler has checked.
+fn rendered(page: &impl askama::Template) -> String {
+    page.render().expect("a page is written to memory")
 }

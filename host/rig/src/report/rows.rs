@@ -4,13 +4,11 @@
 use super::stats::ErrorStats;
 use super::{ModuleSummary, Summary};
 use crate::record::{FaultRecord, InjectedFault, RunLog, Sample, TargetRecord};
-use serde::Serialize;
 
 /// Shown where nothing was observed.
 const ABSENT: &str = "-";
 
 /// One module, ready to be printed.
-#[derive(Debug, Serialize)]
 pub(super) struct ModuleRow {
     pub(super) name: String,
     pub(super) motion: String,
@@ -24,7 +22,6 @@ pub(super) struct ModuleRow {
 }
 
 /// One error, ready to be printed.
-#[derive(Debug, Serialize)]
 pub(super) struct ErrorRow {
     pub(super) name: &'static str,
     pub(super) rmse: String,
@@ -32,7 +29,6 @@ pub(super) struct ErrorRow {
 }
 
 /// A name and a value.
-#[derive(Debug, Serialize)]
 pub(super) struct Fact {
     pub(super) name: &'static str,
     pub(super) value: String,
@@ -129,12 +125,11 @@ pub(super) fn injected(fault: &InjectedFault) -> String {
 }
 
 /// One target of a limb moved by hand.
-#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct TargetRow {
-    name: String,
-    time: String,
-    least: String,
-    held: String,
+    pub(super) name: String,
+    pub(super) time: String,
+    pub(super) least: String,
+    pub(super) held: String,
 }
 
 /// How the targets were met by hand.

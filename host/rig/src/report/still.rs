@@ -1,15 +1,15 @@
 //! The static report: one HTML file without scripts, for print and documentation.
 
-use serde::Serialize;
+use askama::Template;
 
 use super::facts::{Facts, facts};
 use super::{charts, summary};
 use crate::record::{RunInfo, RunLog};
 
 /// Data of the template.
-#[derive(Debug, Serialize)]
+#[derive(Template)]
+#[template(path = "report/still.html")]
 struct Page<'a> {
-    #[serde(flatten)]
     facts: Facts,
     pressures: Vec<String>,
     deformations: Vec<String>,
@@ -24,7 +24,6 @@ struct Page<'a> {
 }
 
 /// One phase, ready to be printed.
-#[derive(Debug, Serialize)]
 struct PhaseRow {
     name: String,
     start: String,
@@ -50,7 +49,7 @@ pub fn still_html(log: &RunLog) -> String {
         supply: charts::supply(log),
         scene_text: &log.info.scene_text,
     };
-    super::rendered("still.html", &page)
+    super::rendered(&page)
 }
 
 fn phases(info: &RunInfo) -> Vec<PhaseRow> {

@@ -1,13 +1,11 @@
 //! The answers that a reader looks for first: did the tip arrive, why not, how near was an obstacle, what failed.
 
-use serde::Serialize;
-
 use super::causes::{Causes, GoalCheck, Outcome, TOLERANCE, outcomes};
 use super::{Miss, Summary, rows};
 use crate::record::{NearestInfo, RunLog};
 
 /// The answers in sentences.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Verdict {
     pub(super) sentences: Vec<String>,
     /// Whether a goal was missed, a fault reported, or an obstacle touched.
@@ -15,7 +13,7 @@ pub(super) struct Verdict {
 }
 
 /// One answer.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Card {
     pub(super) title: &'static str,
     pub(super) value: String,
@@ -25,21 +23,21 @@ pub(super) struct Card {
 }
 
 /// One phase as the page lists it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct PhaseRow {
-    name: String,
-    start: String,
-    motion: String,
-    hold: String,
-    gripper: String,
+    pub(super) name: String,
+    pub(super) start: String,
+    pub(super) motion: String,
+    pub(super) hold: String,
+    pub(super) gripper: String,
     /// Whether the goal was hit.
-    goal: &'static str,
-    error: String,
-    pressure: String,
-    model: String,
-    sag: String,
-    planned: String,
-    achieved: String,
+    pub(super) goal: &'static str,
+    pub(super) error: String,
+    pub(super) pressure: String,
+    pub(super) model: String,
+    pub(super) sag: String,
+    pub(super) planned: String,
+    pub(super) achieved: String,
 }
 
 /// The answers of a run in sentences: did it hit, why not, how close was an obstacle, what failed.

@@ -4,6 +4,7 @@ mod columns;
 mod panels;
 mod space;
 
+use askama::Template;
 use serde::Serialize;
 
 use super::causes::TOLERANCE;
@@ -25,9 +26,9 @@ pub const LIMB_SCRIPT: &str = include_str!("limb.js");
 const PLOTLY: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/plotly.js.gz"));
 
 /// Data of the template.
-#[derive(Debug, Serialize)]
+#[derive(Template)]
+#[template(path = "report/moving/page.html")]
 struct Page<'a> {
-    #[serde(flatten)]
     facts: Facts,
     verdict: Verdict,
     cards: Vec<Card>,
@@ -121,7 +122,7 @@ pub fn html(log: &RunLog) -> String {
         numbers: packed(&tables.map(|(_, table)| table)),
         scene_text: &log.info.scene_text,
     };
-    super::rendered("page.html", &page)
+    super::rendered(&page)
 }
 
 /// JSON with `<` escaped, so that no text ends the script element.

@@ -24,12 +24,12 @@ pub(super) struct Space<'a> {
 }
 
 /// A line of the key to the view in space.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Entry {
-    name: &'static str,
+    pub(super) name: &'static str,
     /// `solid`, `line`, `dashed`, `dotted` or `ring`.
-    style: &'static str,
-    color: &'static str,
+    pub(super) style: &'static str,
+    pub(super) color: &'static str,
 }
 
 /// The key to what a run shows in space.
