@@ -204,7 +204,7 @@ fn verdict(run: &RunLog) -> Vec<String> {
     let page = html(run);
     let (_, rest) = page.split_once("<div class=\"verdict").unwrap();
     let (verdict, _) = rest.split_once("</div>").unwrap();
-    let sentence = |line: &str| line.split("</p>").next().unwrap().replace("&#x27;", "'");
+    let sentence = |line: &str| line.split("</p>").next().unwrap().replace("&#39;", "'");
     verdict.split("<p>").skip(1).map(sentence).collect()
 }
 
@@ -221,6 +221,7 @@ fn run_with_known_errors() -> RunLog {
     }
     run.bodies.iter_mut().for_each(|body| body.tip_unloaded_m = None);
     run.info.phases[1].nearest = Some(NearestInfo { obstacle: "post".into(), distance_m: 0.015, time_s: 8.8 });
+    run.info.clearance_m = Some(0.01);
     run
 }
 
@@ -230,17 +231,41 @@ fn verdict_says_whether_why_and_how_close() {
     assert_eq!(
         verdict(&run),
         [
-            "Hit: the tip was within 5.0 mm of its setpoint at the end of each of 4 phases; the tolerance is 18.0 mm, 3 % of the limb's length.",
-            "Largest tip error: 5.0 mm at the end of reach. Its causes, the largest first: model 4.0 mm, pressure 3.0 mm.",
-            "Clearance: 12.0 mm, least, from post at 9.00 s; planned 15.0 mm.",
+            "Hit all 4 goals: the tip ended at most 5.0 mm off; allowed are 18.0 mm, 3 % of the limb's length.",
+            "Largest tip error, 5.0 mm at the end of reach: 4.0 mm because the limb differs from its model, 3.0 mm by pressure tracking; they add as vectors.",
+            "Least clearance: 12.0 mm from post at 9.00 s; planned 15.0 mm, required 10.0 mm.",
         ]
     );
     let mut contact = run.clone();
     contact.bodies[100].nearest = Some((-0.002, "post".into()));
-    assert_eq!(verdict(&contact)[2], "The limb touched an obstacle: 2.0 mm deep in post at 10.00 s; planned 15.0 mm.");
+    assert_eq!(
+        verdict(&contact)[2],
+        "The limb touched an obstacle: 2.0 mm deep in post at 10.00 s; planned 15.0 mm, required 10.0 mm."
+    );
     let mut stopped = run.clone();
     stopped.samples.truncate(1201);
-    assert_eq!(verdict(&stopped)[0], "The run ended at 12.00 s, before the end of its phase lift.");
+    assert_eq!(
+        verdict(&stopped)[..2],
+        [
+            "The run ended at 12.00 s in phase lift: 2 of 4 phases finished, 2 at their goals.",
+            "Until then the tip was at most 5.0 mm off its setpoint.",
+        ]
+    );
+    let rows = html(&stopped);
+    let goals = |goal: &str| rows.matches(&format!("<td>{goal}</td>")).count();
+    assert_eq!((goals("hit"), goals("not finished"), goals("not begun")), (2, 1, 1));
+    let mut near = run.clone();
+    near.info.clearance_m = Some(0.013);
+    assert!(html(&near).contains("class=\"verdict alarming\""), "12 mm are less than the 13 mm asked for");
+    // A plan that the run did not come to is no measure for it: the least of the plan is at 8.8 s.
+    let mut early = run.clone();
+    early.samples.truncate(701);
+    early.bodies.retain(|body| body.time_s <= 7.0);
+    let clearance = verdict(&early).into_iter().find(|text| text.starts_with("Least clearance"));
+    assert!(clearance.is_none_or(|text| !text.contains("planned")), "{:?}", verdict(&early));
+    let mut weightless = run.clone();
+    weightless.info.weightless = true;
+    assert!(verdict(&weightless)[3].starts_with("The run is weightless: "), "{:?}", verdict(&weightless));
     let mut missed = run.clone();
     let window = missed.samples.iter_mut().filter(|sample| (4.5..=5.0).contains(&sample.time_s));
     for sample in window {
@@ -275,8 +300,8 @@ fn tip_beyond_its_tolerance_or_its_region_is_a_miss() {
     assert_eq!(
         verdict(&off)[..2],
         [
-            "Missed in 1 of 4 phases: at the end of grasp the tip was 61.0 mm from its setpoint; the tolerance is 18.0 mm, 3 % of the limb's length.",
-            "Largest tip error: 61.0 mm at the end of grasp. Its causes, the largest first: model 61.0 mm, pressure 1.5 mm.",
+            "Missed 1 of 4 goals: the tip ended 61.0 mm off at grasp; allowed are 18.0 mm, 3 % of the limb's length.",
+            "Largest tip error, 61.0 mm at the end of grasp: 61.0 mm because the limb differs from its model, 1.5 mm by pressure tracking; they add as vectors.",
         ]
     );
     let page = html(&off);
@@ -291,10 +316,7 @@ fn tip_beyond_its_tolerance_or_its_region_is_a_miss() {
     let shape = SolidShape::Box { center_m: [at[0], at[1] + 0.112, at[2]], half_axes_m };
     beside.info.solids = vec![SolidInfo { name: "tray".into(), region: true, lines_m: Vec::new(), shape: Some(shape) }];
     beside.info.phases[1].region = Some("tray".into());
-    assert_eq!(
-        verdict(&beside)[0],
-        "Missed in 1 of 4 phases: at the end of grasp the tip was 10.0 mm outside of region tray."
-    );
+    assert_eq!(verdict(&beside)[0], "Missed 1 of 4 goals: the tip ended 10.0 mm outside of tray at grasp.");
 }
 
 #[test]
@@ -308,7 +330,7 @@ fn unobserved_limb_is_said_to_be_unobserved() {
     }
     let verdict = verdict(&run);
     assert_eq!(verdict[0], "The pressures brought every module to its setpoint. No observer measured the limb.");
-    assert_eq!(verdict[1], "Clearance: 15.0 mm, planned, from post at 8.80 s; not observed.");
+    assert_eq!(verdict[1], "Least clearance: 15.0 mm planned, from post at 8.80 s, required 10.0 mm; not observed.");
     let page = html(&run);
     let unseen = [("samples", "error"), ("samples", "achieved_1"), ("samples", "by_model"), ("bodies", "clearance")];
     let columns = columns(&page);

@@ -108,6 +108,9 @@ pub struct RunInfo {
     /// Solids around the limb.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solids: Vec<SolidInfo>,
+    /// Least clearance that the scene asks for, m; `None` where it asks for none, and in logs of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clearance_m: Option<f64>,
     /// Objects that the tip carries, in order of time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub carried: Vec<CarriedInfo>,

@@ -14,6 +14,8 @@ const TRUTH: &str = "true_limb";
 /// Key of the highest true pressures.
 const PEAKS: &str = "peak_chamber_pa";
 const TARGETS: &str = "targets";
+/// Key of the clearance that the scene asks for.
+const CLEARANCE: &str = "clearance_m";
 
 /// A metadata record's content.
 pub(super) type Metadata = BTreeMap<String, String>;
@@ -44,6 +46,9 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
     }
     if !info.solids.is_empty() {
         metadata.insert("solids".into(), to_json(&info.solids));
+    }
+    if let Some(clearance_m) = info.clearance_m {
+        metadata.insert(CLEARANCE.into(), clearance_m.to_string());
     }
     if !info.carried.is_empty() {
         metadata.insert("carried".into(), to_json(&info.carried));
@@ -93,6 +98,7 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
         modules: fields.json("modules")?,
         phases: fields.json("phases")?,
         solids: if run.contains_key("solids") { fields.json("solids")? } else { Vec::new() },
+        clearance_m: if run.contains_key(CLEARANCE) { Some(fields.parse(CLEARANCE)?) } else { None },
         carried: if run.contains_key("carried") { fields.json("carried")? } else { Vec::new() },
         limb: if run.contains_key("limb") { Some(fields.json("limb")?) } else { None },
         simulated: fields.parse("simulated")?,

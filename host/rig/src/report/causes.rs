@@ -23,18 +23,22 @@ pub(super) struct Causes {
     pub(super) sag_m: Option<f64>,
 }
 
-impl Causes {
-    /// The largest cause with its name; `None` where the error as a whole is not known.
-    pub(super) fn largest(&self) -> Option<(&'static str, f64)> {
-        self.total_m?;
-        self.parts().into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
-    }
+/// A cause of the tip's error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cause {
+    Pressure,
+    Model,
+    Sag,
+}
 
-    /// The known causes with their names.
-    pub(super) fn parts(&self) -> Vec<(&'static str, f64)> {
-        let parts = [("pressure", Some(self.pressure_m)), ("model", self.model_m), ("sag", self.sag_m)];
-        let known = parts.into_iter().filter_map(|(name, part)| Some((name, part?)));
-        known.filter(|(_, part)| part.is_finite()).collect()
+impl Causes {
+    /// The known causes, the largest first.
+    pub(super) fn sorted(&self) -> Vec<(Cause, f64)> {
+        let parts = [(Cause::Pressure, Some(self.pressure_m)), (Cause::Model, self.model_m), (Cause::Sag, self.sag_m)];
+        let known = parts.into_iter().filter_map(|(cause, part)| Some((cause, part?)));
+        let mut known: Vec<_> = known.filter(|(_, part)| part.is_finite()).collect();
+        known.sort_by(|a, b| b.1.total_cmp(&a.1));
+        known
     }
 }
 
@@ -191,10 +195,10 @@ mod tests {
         let (unloaded, achieved) = ([3.0, 4.0, 0.0], [3.0, 4.0, 12.0]);
         let split = causes(set, modelled, Some(achieved), Some(unloaded));
         assert_eq!(split, Causes { total_m: Some(13.0), pressure_m: 3.0, model_m: Some(4.0), sag_m: Some(12.0) });
-        assert_eq!(split.largest(), Some(("sag", 12.0)));
+        assert_eq!(split.sorted(), [(Cause::Sag, 12.0), (Cause::Model, 4.0), (Cause::Pressure, 3.0)]);
         let compensated = causes(set, modelled, Some([3.0, 4.0, 0.0]), None);
         assert_eq!(compensated, Causes { total_m: Some(5.0), pressure_m: 3.0, model_m: Some(4.0), sag_m: None });
         let unseen = causes(set, modelled, None, None);
-        assert_eq!((unseen.total_m, unseen.model_m, unseen.largest()), (None, None, None));
+        assert_eq!((unseen.total_m, unseen.model_m, unseen.sorted()), (None, None, vec![(Cause::Pressure, 3.0)]));
     }
 }

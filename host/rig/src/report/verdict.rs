@@ -1,6 +1,8 @@
 //! The answers that a reader looks for first: did the tip arrive, why not, how near was an obstacle, what failed.
 
-use super::causes::{Causes, GoalCheck, Outcome, TOLERANCE, outcomes};
+use super::causes::{Cause, Causes, GoalCheck, Outcome, TOLERANCE, outcomes};
+use super::stats::distance;
+use super::summary::scheduled;
 use super::{Miss, Summary, rows};
 use crate::record::{NearestInfo, RunLog};
 
@@ -46,77 +48,116 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
     let unfinished = outcomes.iter().find(|outcome| outcome.tip.is_none());
     let off_goal: Vec<_> = outcomes.iter().filter(|outcome| outcome.goal.is_some_and(|goal| !goal.is_hit())).collect();
     let worst = worst(&outcomes);
-    let least = least(&outcomes);
     let arrival = match (unfinished, &summary.misses[..], worst) {
-        (Some(outcome), ..) => {
-            format!("The run ended at {:.2} s, before the end of its phase {}.", summary.duration_s, outcome.phase.name)
-        }
+        (Some(outcome), ..) => stopped(&outcomes, outcome, summary),
         (None, [first, rest @ ..], _) => missed(first, rest.len()),
-        (None, [], Some(_)) if !off_goal.is_empty() => off(&off_goal, outcomes.len()),
+        (None, [], Some(_)) if !off_goal.is_empty() => off(off_goal.clone(), outcomes.len()),
         (None, [], Some((_, _, total_m))) => hit(&outcomes, total_m),
         (None, [], None) => "The pressures brought every module to its setpoint. No observer measured the limb.".into(),
     };
     let reason = worst.map(|(outcome, causes, total_m)| {
-        let mut parts = causes.parts();
-        parts.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let parts: Vec<_> = parts.into_iter().map(|(name, part_m)| format!("{name} {}", mm(part_m))).collect();
+        let parts: Vec<_> = causes.sorted().into_iter().map(|(cause, part_m)| because(cause, part_m)).collect();
+        let vectors = if parts.len() > 1 { "; they add as vectors" } else { "" };
         let name = &outcome.phase.name;
-        format!(
-            "Largest tip error: {} at the end of {name}. Its causes, the largest first: {}.",
-            mm(total_m),
-            parts.join(", ")
-        )
+        format!("Largest tip error, {} at the end of {name}: {}{vectors}.", mm(total_m), parts.join(", "))
     });
-    let clearance = clearance_of(&outcomes);
-    let clearance = clearance.map(|card| match card.alarming {
+    let until = if summary.faults.is_empty() { "then" } else { "the first fault" };
+    let before = largest_before(log, summary).filter(|_| unfinished.is_some());
+    let before = before.map(|most_m| format!("Until {until} the tip was at most {} off its setpoint.", mm(most_m)));
+    let clearance = clearance_of(log, &outcomes);
+    let is_close = clearance.as_ref().is_some_and(|card| card.alarming);
+    let touches = least(&outcomes).is_some_and(|nearest| nearest.distance_m <= 0.0);
+    let clearance = clearance.map(|card| match touches {
         true => format!("The limb touched an obstacle: {}.", card.detail),
-        false => format!("Clearance: {}, {}.", card.value, card.detail),
+        false => format!("Least clearance: {} {}.", card.value, card.detail),
     });
     let first = summary.faults.first().map(rows::fault);
     let faults = first.map(|first| match summary.faults.len() {
         1 => format!("One fault: {first}."),
         count => format!("{count} faults, the first at {first}."),
     });
-    let touches = least.is_some_and(|nearest| nearest.distance_m <= 0.0);
+    let weightless = summary
+        .weightless
+        .then(|| "The run is weightless: the simulated limb carries neither its own weight nor a payload.".to_owned());
     let is_off = !off_goal.is_empty() || !summary.misses.is_empty();
-    let alarming = touches || is_off || unfinished.is_some() || !summary.faults.is_empty();
-    Verdict { sentences: [Some(arrival), reason, clearance, faults].into_iter().flatten().collect(), alarming }
+    let alarming = is_close || is_off || unfinished.is_some() || !summary.faults.is_empty();
+    let sentences = [Some(arrival), before, reason, clearance, faults, weightless];
+    Verdict { sentences: sentences.into_iter().flatten().collect(), alarming }
+}
+
+/// A cause of the tip's error in words.
+fn because(cause: Cause, part_m: f64) -> String {
+    let words = match cause {
+        Cause::Pressure => "by pressure tracking",
+        Cause::Model => "because the limb differs from its model",
+        Cause::Sag => "by sag under weight",
+    };
+    format!("{} {words}", mm(part_m))
+}
+
+/// The run ended before its phases.
+fn stopped(outcomes: &[Outcome<'_>], within: &Outcome<'_>, summary: &Summary) -> String {
+    let finished = outcomes.iter().filter(|outcome| outcome.tip.is_some()).count();
+    let hits = outcomes.iter().filter(|outcome| outcome.goal.is_some_and(|goal| goal.is_hit())).count();
+    let judged = if hits > 0 { format!(", {hits} at their goals") } else { String::new() };
+    let after = if summary.faults.is_empty() { "" } else { ", after a fault" };
+    let (count, name, end_s) = (outcomes.len(), &within.phase.name, summary.duration_s);
+    format!("The run ended at {end_s:.2} s in phase {name}{after}: {finished} of {count} phases finished{judged}.")
+}
+
+/// The largest error of the tip up to the first fault, or to the end.
+fn largest_before(log: &RunLog, summary: &Summary) -> Option<f64> {
+    let fault_s = summary.faults.first().map(|fault| fault.time_s);
+    let scheduled = scheduled(log);
+    let before = scheduled.iter().filter(|sample| fault_s.is_none_or(|fault_s| sample.time_s < fault_s));
+    let errors = before.filter_map(|sample| Some(distance(sample.tip_achieved_m?, sample.tip_setpoint_m)));
+    errors.filter(|error_m| error_m.is_finite()).reduce(f64::max)
 }
 
 /// Every phase ended at its goal, as far as one bounds the error.
 fn hit(outcomes: &[Outcome<'_>], total_m: f64) -> String {
-    let count = if outcomes.len() == 1 { "its phase".into() } else { format!("each of {} phases", outcomes.len()) };
-    let within = format!("the tip was within {} of its setpoint at the end of {count}", mm(total_m));
-    let tolerance = outcomes.iter().find_map(|outcome| match outcome.goal? {
-        GoalCheck::Point { tolerance_m, .. } => Some(tolerance(tolerance_m)),
-        GoalCheck::Region { .. } => None,
-    });
-    let has_goals = outcomes.iter().any(|outcome| outcome.goal.is_some());
-    let judged = if has_goals { "Hit: " } else { "Without a tolerance: " };
-    format!("{judged}{within}{}.", tolerance.map_or(String::new(), |text| format!("; {text}")))
-}
-
-/// Phases that ended off their goal.
-fn off(off_goal: &[&Outcome<'_>], phases: usize) -> String {
-    let beyond_m = |goal: GoalCheck<'_>| match goal {
-        GoalCheck::Point { error_m, tolerance_m } => error_m - tolerance_m,
-        GoalCheck::Region { outside_m, .. } => outside_m,
+    let goals = match outcomes.iter().filter(|outcome| outcome.goal.is_some()).count() {
+        0 => "No tolerance bounds the error".to_owned(),
+        1 => "Hit the goal".to_owned(),
+        count => format!("Hit all {count} goals"),
     };
-    let known = off_goal.iter().filter_map(|outcome| Some((&outcome.phase.name, outcome.goal?)));
-    let farthest = known.max_by(|a, b| beyond_m(a.1).total_cmp(&beyond_m(b.1)));
-    let most = farthest.map_or(String::new(), |(phase, goal)| match goal {
-        GoalCheck::Point { error_m, tolerance_m } => {
-            format!("at the end of {phase} the tip was {} from its setpoint; {}", mm(error_m), tolerance(tolerance_m))
-        }
-        GoalCheck::Region { name, outside_m } => {
-            format!("at the end of {phase} the tip was {} outside of region {name}", mm(outside_m))
-        }
-    });
-    format!("Missed in {} of {phases} phases: {most}.", off_goal.len())
+    let allowed = outcomes.iter().find_map(|outcome| outcome.goal?.allowed());
+    format!("{goals}: the tip ended at most {} off{}.", mm(total_m), allowed.unwrap_or_default())
 }
 
-fn tolerance(tolerance_m: f64) -> String {
-    format!("the tolerance is {}, {:.0} % of the limb's length", mm(tolerance_m), 1e2 * TOLERANCE)
+/// Phases that ended off their goal, the farthest first.
+fn off(mut off_goal: Vec<&Outcome<'_>>, phases: usize) -> String {
+    const NAMED: usize = 4;
+    let beyond_m = |outcome: &Outcome<'_>| outcome.goal.map_or(0.0, |goal| goal.beyond_m());
+    off_goal.sort_by(|a, b| beyond_m(b).total_cmp(&beyond_m(a)));
+    let named = off_goal.iter().take(NAMED).filter_map(|outcome| {
+        let phase = &outcome.phase.name;
+        Some(match outcome.goal? {
+            GoalCheck::Point { error_m, .. } => format!("{} off at {phase}", mm(error_m)),
+            GoalCheck::Region { name, outside_m } => format!("{} outside of {name} at {phase}", mm(outside_m)),
+        })
+    });
+    let named: Vec<_> = named.collect();
+    let more = off_goal.len().saturating_sub(NAMED);
+    let more = if more > 0 { format!(", and {more} more") } else { String::new() };
+    let allowed = off_goal.iter().find_map(|outcome| outcome.goal?.allowed()).unwrap_or_default();
+    format!("Missed {} of {phases} goals: the tip ended {}{more}{allowed}.", off_goal.len(), named.join(", "))
+}
+
+impl GoalCheck<'_> {
+    /// By how much the tip has missed its goal, m; negative where it has not.
+    fn beyond_m(self) -> f64 {
+        match self {
+            Self::Point { error_m, tolerance_m } => error_m - tolerance_m,
+            Self::Region { outside_m, .. } => outside_m,
+        }
+    }
+
+    /// The tolerance of a point, behind a sentence.
+    fn allowed(self) -> Option<String> {
+        let Self::Point { tolerance_m, .. } = self else { return None };
+        Some(format!("; allowed are {}, {:.0} % of the limb's length", mm(tolerance_m), 1e2 * TOLERANCE))
+    }
 }
 
 fn missed(first: &Miss, others: usize) -> String {
@@ -134,13 +175,13 @@ fn missed(first: &Miss, others: usize) -> String {
 /// The answers of a run.
 pub(super) fn cards(log: &RunLog, summary: &Summary) -> Vec<Card> {
     let outcomes = outcomes(log);
-    [tip(&outcomes, summary), clearance_of(&outcomes), pressure(summary), faults(summary)]
+    [tip(log, &outcomes, summary), clearance_card(log, &outcomes), pressure(summary), faults(summary)]
         .into_iter()
         .flatten()
         .collect()
 }
 
-fn tip(outcomes: &[Outcome<'_>], summary: &Summary) -> Option<Card> {
+fn tip(log: &RunLog, outcomes: &[Outcome<'_>], summary: &Summary) -> Option<Card> {
     let title = "Tip error";
     let Some(error) = summary.tip.error_m else {
         let error = summary.tip.tracking_error_m?;
@@ -148,10 +189,17 @@ fn tip(outcomes: &[Outcome<'_>], summary: &Summary) -> Option<Card> {
         return Some(Card { title, value: mm(error.rmse), detail, alarming: false });
     };
     let Some((outcome, causes, total_m)) = worst(outcomes) else {
-        return Some(Card { title, value: mm(error.rmse), detail: "RMSE over the run".to_owned(), alarming: false });
+        let before = largest_before(log, summary).filter(|_| outcomes.iter().any(|outcome| outcome.tip.is_none()));
+        let (value, detail) = match (before, summary.faults.is_empty()) {
+            (Some(most_m), false) => (mm(most_m), "largest until the first fault; no phase finished"),
+            (Some(most_m), true) => (mm(most_m), "largest; no phase finished"),
+            (None, _) => (mm(error.rmse), "RMSE over the run"),
+        };
+        return Some(Card { title, value, detail: detail.to_owned(), alarming: before.is_some() });
     };
-    let because = causes.largest().map_or(String::new(), |(name, part_m)| format!("; most by {name}: {}", mm(part_m)));
-    let detail = format!("largest at the end of a phase: {}{because}", outcome.phase.name);
+    let most =
+        causes.sorted().first().map_or(String::new(), |&(cause, part_m)| format!("; {}", because(cause, part_m)));
+    let detail = format!("largest at the end of a phase: {}{most}", outcome.phase.name);
     let alarming = outcomes.iter().any(|outcome| outcome.goal.is_some_and(|goal| !goal.is_hit()));
     Some(Card { title, value: mm(total_m), detail, alarming })
 }
@@ -162,35 +210,73 @@ fn worst<'a, 'b>(outcomes: &'a [Outcome<'b>]) -> Option<(&'a Outcome<'b>, Causes
     ends.filter(|(_, _, total_m)| total_m.is_finite()).max_by(|a, b| a.2.total_cmp(&b.2))
 }
 
+/// Time that a reader looks at first, s: the end of the phase with the largest error, or the first fault.
+pub(super) fn telling_s(log: &RunLog) -> Option<f64> {
+    let end_s = worst(&outcomes(log)).map(|(outcome, ..)| outcome.phase.end_s());
+    end_s.or_else(|| log.faults.first().map(|fault| fault.time_s)).filter(|time_s| time_s.is_finite())
+}
+
 /// The least observed clearance.
 fn least<'a>(outcomes: &'a [Outcome<'_>]) -> Option<&'a NearestInfo> {
     let seen = outcomes.iter().filter_map(|outcome| outcome.nearest.as_ref());
     seen.min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
 }
 
-fn clearance_of(outcomes: &[Outcome<'_>]) -> Option<Card> {
+/// The least clearance beside that of the plan, where there are obstacles.
+fn clearance_of(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
     let title = "Clearance";
+    // A plan that was not followed to its end is no measure for what was.
+    let end_s = log.samples.last().map_or(f64::INFINITY, |sample| sample.time_s);
     let planned = outcomes.iter().filter_map(|outcome| outcome.phase.nearest.as_ref());
+    let planned = planned.filter(|nearest| nearest.time_s <= end_s);
     let planned = planned.min_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
+    let required = log.info.clearance_m.map_or(String::new(), |required_m| format!(", required {}", mm(required_m)));
     let Some(seen) = least(outcomes) else {
         let planned = planned?;
-        let detail = format!("planned, from {} at {:.2} s; not observed", planned.obstacle, planned.time_s);
+        let detail = format!("planned, from {} at {:.2} s{required}; not observed", planned.obstacle, planned.time_s);
         return Some(Card { title, value: mm(planned.distance_m), detail, alarming: false });
     };
-    let plan = planned.map_or(String::new(), |planned| format!("; planned {}", mm(planned.distance_m)));
+    let plan = planned.map_or(String::new(), |planned| format!("planned {}", mm(planned.distance_m)));
+    let beside = [plan, required.trim_start_matches(", ").to_owned()];
+    let beside = beside.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(", ");
+    let beside = if beside.is_empty() { beside } else { format!("; {beside}") };
     let place = format!("{} at {:.2} s", seen.obstacle, seen.time_s);
-    let touches = seen.distance_m <= 0.0;
-    let (value, detail) = match touches {
-        true => ("contact".to_owned(), format!("{} deep in {place}{plan}", mm(-seen.distance_m))),
-        false => (mm(seen.distance_m), format!("least, from {place}{plan}")),
+    let (value, detail) = match seen.distance_m <= 0.0 {
+        true => ("contact".to_owned(), format!("{} deep in {place}{beside}", mm(-seen.distance_m))),
+        false => (mm(seen.distance_m), format!("from {place}{beside}")),
     };
-    Some(Card { title, value, detail, alarming: touches })
+    let alarming = seen.distance_m <= log.info.clearance_m.unwrap_or(0.0);
+    Some(Card { title, value, detail, alarming })
+}
+
+fn clearance_card(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
+    let is_free = !log.info.solids.iter().any(|solid| !solid.region);
+    let free = || Card {
+        title: "Clearance",
+        value: "free".to_owned(),
+        detail: "the scene has no obstacles".to_owned(),
+        alarming: false,
+    };
+    // A log without a scene says nothing of obstacles.
+    clearance_of(log, outcomes).or_else(|| (is_free && log.info.limb.is_some()).then(free))
 }
 
 fn pressure(summary: &Summary) -> Option<Card> {
-    let error = summary.pressure.measured_error_pa?;
-    let detail = format!("RMSE of all channels, sensor from reference; largest {:.2} kPa", error.max * 1e-3);
-    Some(Card { title: "Pressure error", value: format!("{:.2} kPa", error.rmse * 1e-3), detail, alarming: false })
+    let kpa = |pressure_pa: f64| format!("{:.2} kPa", pressure_pa * 1e-3);
+    let sensor = summary.pressure.measured_error_pa?;
+    let (value, detail) = match summary.pressure.true_error_pa {
+        Some(chamber) => (
+            kpa(chamber.rmse),
+            format!(
+                "RMSE of all chambers from their references; largest {}. Sensors beside open valves: {}, largest {}",
+                kpa(chamber.max),
+                kpa(sensor.rmse),
+                kpa(sensor.max)
+            ),
+        ),
+        None => (kpa(sensor.rmse), format!("RMSE of all channels, sensor from reference; largest {}", kpa(sensor.max))),
+    };
+    Some(Card { title: "Pressure error", value, detail, alarming: false })
 }
 
 fn faults(summary: &Summary) -> Option<Card> {
@@ -209,6 +295,7 @@ fn faults(summary: &Summary) -> Option<Card> {
 
 /// The phases with their outcome.
 pub(super) fn phases(log: &RunLog) -> Vec<PhaseRow> {
+    let end_s = log.samples.last().map_or(0.0, |sample| sample.time_s);
     let row = |outcome: &Outcome<'_>| {
         let (phase, tip) = (outcome.phase, outcome.tip);
         let part = |part: Option<f64>| part.filter(|part| part.is_finite()).map_or(String::new(), number_mm);
@@ -223,7 +310,18 @@ pub(super) fn phases(log: &RunLog) -> Vec<PhaseRow> {
             motion: format!("{:.2}", phase.move_s),
             hold: format!("{:.2}", phase.hold_s),
             gripper: phase.gripper.clone().unwrap_or_default(),
-            goal: outcome.goal.map_or("", |goal| if goal.is_hit() { "hit" } else { "missed" }),
+            goal: match (outcome.goal, tip) {
+                (Some(goal), _) => {
+                    if goal.is_hit() {
+                        "hit"
+                    } else {
+                        "missed"
+                    }
+                }
+                (None, None) if phase.start_s > end_s => "not begun",
+                (None, None) => "not finished",
+                (None, Some(_)) => "",
+            },
             error: part(tip.and_then(|tip| tip.total_m)),
             pressure: part(tip.map(|tip| tip.pressure_m)),
             model: part(tip.and_then(|tip| tip.model_m)),

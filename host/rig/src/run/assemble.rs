@@ -358,6 +358,7 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, phases: Vec<PhaseInfo>, origi
         seed,
         start_unix_ns,
         modules: modules.collect(),
+        clearance_m: Some(scene.limits().clearance_m).filter(|clearance_m| *clearance_m > 0.0),
         carried: solid::carried_infos(scene, &phases),
         phases,
         solids: solid::solids(scene),

@@ -227,6 +227,7 @@ fn info(channels: usize, start_unix_ns: u64, device: Option<&DeviceInfo>) -> Run
         phases: Vec::new(),
         limb: None,
         solids: Vec::new(),
+        clearance_m: None,
         carried: Vec::new(),
         simulated: false,
         weightless: false,

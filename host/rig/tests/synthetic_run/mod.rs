@@ -57,6 +57,7 @@ pub(crate) fn info() -> RunInfo {
         phases: phases.collect(),
         limb: None,
         solids: Vec::new(),
+        clearance_m: None,
         carried: Vec::new(),
         simulated: true,
         weightless: false,

@@ -38,6 +38,7 @@ struct Page<'a> {
     has_gripper: bool,
     has_clearance: bool,
     has_sag: bool,
+    has_object: bool,
     is_still: bool,
     style: &'static str,
     limb_script: &'static str,
@@ -61,6 +62,8 @@ struct Run<'a> {
     space: Space<'a>,
     phases: Vec<Phase<'a>>,
     marks: Vec<Mark>,
+    /// Time that the page opens at, s.
+    opens: f64,
     states: [&'static str; 7],
 }
 
@@ -99,6 +102,7 @@ pub fn html(log: &RunLog) -> String {
         space,
         phases: phases(log),
         marks: marks(log, &summary),
+        opens: verdict::telling_s(log).unwrap_or(0.0),
         states: std::array::from_fn(|state| rows::state_name(state as u8)),
     };
     let page = Page {
@@ -111,6 +115,7 @@ pub fn html(log: &RunLog) -> String {
         has_gripper: log.info.phases.iter().any(|phase| phase.gripper.is_some()),
         has_clearance: log.info.phases.iter().any(|phase| phase.nearest.is_some()),
         has_sag: log.bodies.iter().any(|body| body.tip_unloaded_m.is_some()),
+        has_object: log.info.simulated && !log.info.carried.is_empty(),
         is_still: log.info.simulated && !log.info.truth.as_deref().is_some_and(|truth| truth.contains("swing")),
         style: STYLE,
         limb_script: LIMB_SCRIPT,

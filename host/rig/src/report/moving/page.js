@@ -52,7 +52,7 @@
     return { time: phase.end, at: point(tip_set, row), along: along && along.map((part) => part / long) };
   });
 
-  // An object stands where it is taken before, and where it is put behind.
+  // An object stands where the plan takes it before, and where it is put behind.
   function objects(time) {
     const shown = new Map();
     for (const object of space.carried) {
@@ -61,7 +61,8 @@
       if (before && time < from_s) continue;
       const held = Math.max(from_s, Math.min(time, to_s ?? Infinity));
       const lost = run.marks.find((mark) => mark.lost && mark.time >= from_s && mark.time <= held);
-      const place = point(is_seen ? tip : tip_set, Columns.row_at(samples.t, held));
+      const stands = time < from_s && object.start_m;
+      const place = stands ? object.start_m : point(is_seen ? tip : tip_set, Columns.row_at(samples.t, held));
       shown.set(name, { ...object, at: lost ? [NaN, NaN, NaN] : place });
     }
     return [...shown.values()];
@@ -70,10 +71,15 @@
   const canvas = by_id("space");
   const view = new LimbView(canvas, theme().space);
   const [names, low] = [run.states, (value) => Number.isFinite(value)];
+  // Plates reach farther than the tubes.
+  const around = (row) => body_points.flatMap((three, index) => {
+    const [place, reach] = [point(three, row), 1.5 * radii[index][row]];
+    return [place.map((value) => value - reach), place.map((value) => value + reach)];
+  });
   view.fit([
     ...start_line || [], ...trail.map(([, place]) => place), ...planned,
     ...space.solids.flatMap((solid) => solid.lines_m.flat()),
-    ...Array.from({ length: 20 }, (_, index) => Math.floor(index * bodies.rows / 20)).flatMap((row) => body_points.map((three) => point(three, row))),
+    ...Array.from({ length: 20 }, (_, index) => Math.floor(index * bodies.rows / 20)).flatMap(around),
   ].filter((place) => place.every(low)));
 
   const states = [];
@@ -109,7 +115,7 @@
     element.style.left = share(start);
     element.style.width = `calc(${share(end)} - ${share(start)})`;
     // A short state at the end of a run has its name all the same.
-    if (kind === "state" && end >= last_s) Object.assign(element.style, { left: "auto", right: `calc(100% - ${share(end)})`, minWidth: "3.8rem" });
+    if (kind.startsWith("state") && end >= last_s) Object.assign(element.style, { left: "auto", right: `calc(100% - ${share(end)})`, minWidth: "3.8rem" });
     const label = document.createElement("span");
     label.textContent = name;
     element.append(label);
@@ -117,7 +123,7 @@
     track.append(element);
   };
   run.phases.forEach((phase, index) => segment(phase, index % 2 ? "phase" : "phase shaded"));
-  ending.forEach((state) => segment(state, "state"));
+  ending.forEach((state) => segment(state, state.name === "faulted" ? "state alarming" : "state"));
   for (const mark of run.marks) {
     const element = document.createElement("button");
     Object.assign(element, { type: "button", className: "fault", title: mark.text });
@@ -242,6 +248,8 @@
 
   document.body.classList.add("moving");
   fitted();
+  // What is seen first is the worst end of a phase, or a fault.
+  if (count) row = Columns.row_at(samples.t, run.opens);
   show();
   // The limb is there before the plots: their script takes a while to unpack.
   const script = document.createElement("script");

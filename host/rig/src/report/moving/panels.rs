@@ -16,6 +16,8 @@ const CHANNELS: usize = 4;
 const KPA: f64 = 0.01;
 const MM: f64 = 0.02;
 const SECONDS: f64 = 1e-4;
+/// Distance from an obstacle beyond which a plot need not show it, mm.
+const FAR_MM: f64 = 100.0;
 
 /// A quantity of a panel.
 #[derive(Debug, Clone, Serialize)]
@@ -39,6 +41,9 @@ pub(super) struct Panel {
     /// Label of the axis with its unit.
     axis: String,
     from_zero: bool,
+    /// Highest value that is of interest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    most: Option<f64>,
     traces: Vec<Trace>,
 }
 
@@ -90,7 +95,7 @@ impl Filled<'_> {
     /// Adds a panel of the traces that have something to show.
     fn panel(&mut self, section: &'static str, title: &str, axis: String, from_zero: bool, traces: Vec<Trace>) {
         let title = labelled(title, self.log.info.weightless);
-        self.plots.panels.push(Panel { section, title, axis, from_zero, traces });
+        self.plots.panels.push(Panel { section, title, axis, from_zero, most: None, traces });
     }
 
     fn tip(&mut self) {
@@ -137,7 +142,17 @@ impl Filled<'_> {
         }
         if !traces.is_empty() {
             let axis = "surface to surface, mm".to_owned();
-            self.panel("Clearance", "Distance from the nearest obstacle", axis, true, traces);
+            self.panel(
+                "Clearance",
+                "Distance from the nearest obstacle; planned: least of a phase",
+                axis,
+                true,
+                traces,
+            );
+            let levels_m = self.log.info.phases.iter().filter_map(|phase| Some(phase.nearest.as_ref()?.distance_m));
+            let most_mm = levels_m.map(|level_m| 1.2e3 * level_m).filter(|most_mm| most_mm.is_finite());
+            let most_mm = most_mm.fold(FAR_MM, f64::max);
+            self.plots.panels.last_mut().into_iter().for_each(|panel| panel.most = Some(most_mm));
         }
     }
 

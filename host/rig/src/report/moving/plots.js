@@ -72,6 +72,7 @@ const Plots = (() => {
         }
       }
       if (!(low <= high)) return [0, 1];
+      if (this.described.most) high = Math.min(high, Math.max(low, this.described.most));
       if (this.described.from_zero) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
       const room = Math.max(high - low, 1e-3 * Math.abs(high), 1e-4) * 0.07;
       // Names of phases have room above the lines.
@@ -112,7 +113,7 @@ const Plots = (() => {
       };
       const visible = ({ start, end }) => end > range[0] && start < range[1];
       const phases = run.phases.map((phase, index) => [phase, { fillcolor: index % 2 ? "rgba(0,0,0,0)" : theme.band }]);
-      const states = this.all.states.map((state) => [state, { fillcolor: faded(theme.mark, 0.18) }]);
+      const states = this.all.states.map((state) => [state, { fillcolor: faded(state.name === "faulted" ? theme.mark : theme.soft, 0.18) }]);
       const bands = [...phases, ...states].filter(([one]) => visible(one)).flatMap(([one, style]) => band(one, style));
       const marks = run.marks.filter((mark) => mark.time >= range[0] && mark.time <= range[1]);
       const line = (mark) => ({ type: "line", yref: "paper", x0: mark.time, x1: mark.time, y0: 0, y1: 1, line: { color: theme.mark, width: 1.5 } });
