@@ -5,7 +5,9 @@ use std::io::Read;
 use flate2::read::GzDecoder;
 use serde_json::Value;
 use softlimb_numerics::Random;
-use softlimb_rig::record::{Body, CarriedInfo, ModuleInfo, NearestInfo, RunLog, Sample, SolidInfo, SolidShape};
+use softlimb_rig::record::{
+    Body, CarriedInfo, ModuleInfo, NearestInfo, RunLog, Sample, SolidInfo, SolidShape, SwingInfo,
+};
 use softlimb_rig::report::html;
 
 use crate::synthetic_run;
@@ -231,9 +233,9 @@ fn verdict_says_whether_why_and_how_close() {
     assert_eq!(
         verdict(&run),
         [
-            "Hit all 4 goals: the tip ended at most 5.0 mm off; allowed are 18.0 mm, 3 % of the limb's length.",
-            "Largest tip error, 5.0 mm at the end of reach: 4.0 mm because the limb differs from its model, 3.0 mm by pressure tracking; they add as vectors.",
-            "Least clearance: 12.0 mm from post at 9.00 s; planned 15.0 mm, required 10.0 mm.",
+            "Hit all 4 goals: the tip ended at most 5.0 mm off (allowed 18.0 mm, 3 % of the limb's length).",
+            "Farthest from its setpoint at the end of a phase: 5.0 mm at reach, 4.0 mm because the limb differs from its model, 3.0 mm by pressure tracking; they add as vectors.",
+            "Least clearance of the run: 12.0 mm from post at 9.00 s; planned 15.0 mm, required 10.0 mm.",
         ]
     );
     let mut contact = run.clone();
@@ -300,8 +302,8 @@ fn tip_beyond_its_tolerance_or_its_region_is_a_miss() {
     assert_eq!(
         verdict(&off)[..2],
         [
-            "Missed 1 of 4 goals: the tip ended 61.0 mm off at grasp; allowed are 18.0 mm, 3 % of the limb's length.",
-            "Largest tip error, 61.0 mm at the end of grasp: 61.0 mm because the limb differs from its model, 1.5 mm by pressure tracking; they add as vectors.",
+            "Missed 1 of 4 goals: the tip ended 61.0 mm off at grasp (allowed 18.0 mm, 3 % of the limb's length).",
+            "Farthest from its setpoint at the end of a phase: 61.0 mm at grasp, 61.0 mm because the limb differs from its model, 1.5 mm by pressure tracking; they add as vectors.",
         ]
     );
     let page = html(&off);
@@ -316,7 +318,7 @@ fn tip_beyond_its_tolerance_or_its_region_is_a_miss() {
     let shape = SolidShape::Box { center_m: [at[0], at[1] + 0.112, at[2]], half_axes_m };
     beside.info.solids = vec![SolidInfo { name: "tray".into(), region: true, lines_m: Vec::new(), shape: Some(shape) }];
     beside.info.phases[1].region = Some("tray".into());
-    assert_eq!(verdict(&beside)[0], "Missed 1 of 4 goals: the tip ended 10.0 mm outside of tray at grasp.");
+    assert_eq!(verdict(&beside)[0], "Missed 1 of 4 goals: the tip ended 10.0 mm outside of region tray at grasp.");
 }
 
 #[test]
@@ -330,11 +332,46 @@ fn unobserved_limb_is_said_to_be_unobserved() {
     }
     let verdict = verdict(&run);
     assert_eq!(verdict[0], "The pressures brought every module to its setpoint. No observer measured the limb.");
-    assert_eq!(verdict[1], "Least clearance: 15.0 mm planned, from post at 8.80 s, required 10.0 mm; not observed.");
+    assert_eq!(
+        verdict[1],
+        "Least clearance of the run: 15.0 mm planned, from post at 8.80 s, required 10.0 mm; not observed."
+    );
     let page = html(&run);
     let unseen = [("samples", "error"), ("samples", "achieved_1"), ("samples", "by_model"), ("bodies", "clearance")];
     let columns = columns(&page);
     assert!(unseen.iter().all(|(table, name)| !columns.iter().any(|column| column.0 == *table && column.1 == *name)));
+}
+
+#[test]
+fn swing_after_a_move_is_told_beside_the_predicted_one() {
+    let mut run = run_with_known_errors();
+    let swing = SwingInfo { residual_m: 0.0077, frequency_hz: 2.5 };
+    run.info.phases.iter_mut().for_each(|phase| phase.swing = Some(swing));
+    // The gripper excites a swing of its own; a hold of less than a period shows none.
+    run.info.phases[1].gripper = Some("close".into());
+    run.info.phases[3].hold_s = 0.3;
+    // 3 mm that ring down by a tenth in a period, on a limb that creeps by 1 mm/s.
+    for sample in &mut run.samples {
+        let (time_s, [x, y, z]) = (sample.time_s, sample.tip_achieved_m.unwrap());
+        for phase in &run.info.phases {
+            let after_s = time_s - phase.hold_start_s();
+            if (0.0..phase.hold_s).contains(&after_s) {
+                let swing_m = 3e-3 * 0.9_f64.powf(2.5 * after_s) * (std::f64::consts::TAU * 2.5 * after_s).sin();
+                sample.tip_achieved_m = Some([x, y, z + swing_m + 1e-3 * after_s]);
+            }
+        }
+    }
+    let page = html(&run);
+    let rows: Vec<&str> = page.split("<tr><td>").filter(|row| row.contains("<td class=\"number\">7.7</td>")).collect();
+    assert_eq!(rows.len(), 4, "every phase has the swing of the plan");
+    let seen = |row: &str| {
+        let (before, _) = row.split_once("</td><td class=\"number\">7.7</td>").unwrap();
+        before.rsplit('>').next().unwrap().parse::<f64>().ok()
+    };
+    let seen: Vec<_> = rows.into_iter().map(seen).collect();
+    assert!(seen[0].is_some_and(|mm| (mm - 3.1).abs() <= 0.3), "{seen:?}");
+    assert!(seen[2].is_some_and(|mm| (mm - 3.1).abs() <= 0.3), "{seen:?}");
+    assert_eq!((seen[1], seen[3]), (None, None));
 }
 
 /// A factor near 1 that never repeats: a run that did would be compressed too well.

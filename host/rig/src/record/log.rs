@@ -44,6 +44,18 @@ pub struct PhaseInfo {
     /// Least clearance of the planned body from the obstacles; `None` without obstacles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nearest: Option<NearestInfo>,
+    /// Swing after the move by the plan; `None` where it has no weight or the simulated limb does not swing, and in logs of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub swing: Option<SwingInfo>,
+}
+
+/// Swing of the tip after a move by the plan.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SwingInfo {
+    /// Largest distance of the tip from where it comes to rest, m.
+    pub residual_m: f64,
+    /// Frequency of the slowest vibration, Hz.
+    pub frequency_hz: f64,
 }
 
 /// Least clearance of a planned body from the obstacles.

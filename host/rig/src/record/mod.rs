@@ -30,7 +30,7 @@ pub use error::RecordError;
 pub(crate) use log::quantity_name;
 pub use log::{
     ChannelSample, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample,
-    PhaseInfo, RunEnd, RunInfo, RunLog, Sample, Shape, TargetRecord,
+    PhaseInfo, RunEnd, RunInfo, RunLog, Sample, Shape, SwingInfo, TargetRecord,
 };
 pub use reader::read;
 pub use recover::{Recovered, recover};

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::stats::distance;
+use super::swing;
 use crate::record::{Body, NearestInfo, PhaseInfo, RunLog, Sample, SolidShape};
 
 /// Time at the end of a phase over which the tip's position counts, s.
@@ -52,6 +53,8 @@ pub(super) struct Outcome<'a> {
     pub(super) goal: Option<GoalCheck<'a>>,
     /// Where the limb came nearest to an obstacle.
     pub(super) nearest: Option<NearestInfo>,
+    /// Swing of the tip after the move, m; `None` where it was not seen.
+    pub(super) swing_m: Option<f64>,
 }
 
 /// The tip at the end of a phase beside its goal.
@@ -78,7 +81,8 @@ pub(super) fn outcomes(log: &RunLog) -> Vec<Outcome<'_>> {
     let outcome = |phase| {
         let (tip, place_m) = at_end(log, phase).unzip();
         let goal = goal(log, phase, (tip.and_then(|tip| tip.total_m), place_m.flatten()), length_m);
-        Outcome { phase, tip, goal, nearest: nearest(log, phase) }
+        let swing_m = swing::seen_m(log, phase).filter(|_| tip.is_some());
+        Outcome { phase, tip, goal, nearest: nearest(log, phase), swing_m }
     };
     log.info.phases.iter().map(outcome).collect()
 }

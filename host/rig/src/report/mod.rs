@@ -13,6 +13,7 @@ mod rows;
 mod stats;
 mod still;
 mod summary;
+mod swing;
 mod table;
 mod tip;
 mod verdict;

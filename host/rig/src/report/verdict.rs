@@ -38,6 +38,8 @@ pub(super) struct PhaseRow {
     pub(super) pressure: String,
     pub(super) model: String,
     pub(super) sag: String,
+    pub(super) swing: String,
+    pub(super) swing_planned: String,
     pub(super) planned: String,
     pub(super) achieved: String,
 }
@@ -59,17 +61,24 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
         let parts: Vec<_> = causes.sorted().into_iter().map(|(cause, part_m)| because(cause, part_m)).collect();
         let vectors = if parts.len() > 1 { "; they add as vectors" } else { "" };
         let name = &outcome.phase.name;
-        format!("Largest tip error, {} at the end of {name}: {}{vectors}.", mm(total_m), parts.join(", "))
+        format!(
+            "Farthest from its setpoint at the end of a phase: {} at {name}, {}{vectors}.",
+            mm(total_m),
+            parts.join(", ")
+        )
     });
     let until = if summary.faults.is_empty() { "then" } else { "the first fault" };
     let before = largest_before(log, summary).filter(|_| unfinished.is_some());
-    let before = before.map(|most_m| format!("Until {until} the tip was at most {} off its setpoint.", mm(most_m)));
+    let last = summary.tip.final_error_m.filter(|_| !summary.faults.is_empty());
+    let last = last.map_or(String::new(), |last_m| format!(", at the end {}", mm(last_m)));
+    let before =
+        before.map(|most_m| format!("Until {until} the tip was at most {} off its setpoint{last}.", mm(most_m)));
     let clearance = clearance_of(log, &outcomes);
     let is_close = clearance.as_ref().is_some_and(|card| card.alarming);
     let touches = least(&outcomes).is_some_and(|nearest| nearest.distance_m <= 0.0);
     let clearance = clearance.map(|card| match touches {
         true => format!("The limb touched an obstacle: {}.", card.detail),
-        false => format!("Least clearance: {} {}.", card.value, card.detail),
+        false => format!("Least clearance of the run: {} {}.", card.value, card.detail),
     });
     let first = summary.faults.first().map(rows::fault);
     let faults = first.map(|first| match summary.faults.len() {
@@ -125,23 +134,29 @@ fn hit(outcomes: &[Outcome<'_>], total_m: f64) -> String {
     format!("{goals}: the tip ended at most {} off{}.", mm(total_m), allowed.unwrap_or_default())
 }
 
-/// Phases that ended off their goal, the farthest first.
+/// Phases that ended off their goal, the farthest first: points, which share a tolerance, and then regions.
 fn off(mut off_goal: Vec<&Outcome<'_>>, phases: usize) -> String {
     const NAMED: usize = 4;
     let beyond_m = |outcome: &Outcome<'_>| outcome.goal.map_or(0.0, |goal| goal.beyond_m());
     off_goal.sort_by(|a, b| beyond_m(b).total_cmp(&beyond_m(a)));
-    let named = off_goal.iter().take(NAMED).filter_map(|outcome| {
+    let (mut points, mut regions) = (Vec::new(), Vec::new());
+    for outcome in off_goal.iter().take(NAMED) {
         let phase = &outcome.phase.name;
-        Some(match outcome.goal? {
-            GoalCheck::Point { error_m, .. } => format!("{} off at {phase}", mm(error_m)),
-            GoalCheck::Region { name, outside_m } => format!("{} outside of {name} at {phase}", mm(outside_m)),
-        })
-    });
-    let named: Vec<_> = named.collect();
+        match outcome.goal {
+            Some(GoalCheck::Point { error_m, .. }) => points.push(format!("{} off at {phase}", mm(error_m))),
+            Some(GoalCheck::Region { name, outside_m }) => {
+                regions.push(format!("{} outside of region {name} at {phase}", mm(outside_m)));
+            }
+            None => {}
+        }
+    }
+    if let Some(last) = points.last_mut() {
+        *last += &off_goal.iter().find_map(|outcome| outcome.goal?.allowed()).unwrap_or_default();
+    }
     let more = off_goal.len().saturating_sub(NAMED);
-    let more = if more > 0 { format!(", and {more} more") } else { String::new() };
-    let allowed = off_goal.iter().find_map(|outcome| outcome.goal?.allowed()).unwrap_or_default();
-    format!("Missed {} of {phases} goals: the tip ended {}{more}{allowed}.", off_goal.len(), named.join(", "))
+    let more = (more > 0).then(|| format!("{more} more"));
+    let named: Vec<_> = points.into_iter().chain(regions).chain(more).collect();
+    format!("Missed {} of {phases} goals: the tip ended {}.", off_goal.len(), named.join(", "))
 }
 
 impl GoalCheck<'_> {
@@ -153,10 +168,10 @@ impl GoalCheck<'_> {
         }
     }
 
-    /// The tolerance of a point, behind a sentence.
+    /// The tolerance of a point, behind its error.
     fn allowed(self) -> Option<String> {
         let Self::Point { tolerance_m, .. } = self else { return None };
-        Some(format!("; allowed are {}, {:.0} % of the limb's length", mm(tolerance_m), 1e2 * TOLERANCE))
+        Some(format!(" (allowed {}, {:.0} % of the limb's length)", mm(tolerance_m), 1e2 * TOLERANCE))
     }
 }
 
@@ -190,12 +205,14 @@ fn tip(log: &RunLog, outcomes: &[Outcome<'_>], summary: &Summary) -> Option<Card
     };
     let Some((outcome, causes, total_m)) = worst(outcomes) else {
         let before = largest_before(log, summary).filter(|_| outcomes.iter().any(|outcome| outcome.tip.is_none()));
-        let (value, detail) = match (before, summary.faults.is_empty()) {
-            (Some(most_m), false) => (mm(most_m), "largest until the first fault; no phase finished"),
-            (Some(most_m), true) => (mm(most_m), "largest; no phase finished"),
-            (None, _) => (mm(error.rmse), "RMSE over the run"),
+        let (value_m, detail) = match (before, summary.tip.final_error_m.filter(|_| !summary.faults.is_empty())) {
+            (Some(most_m), Some(last_m)) => {
+                (last_m, format!("at the end, at most {} until the first fault; no phase finished", mm(most_m)))
+            }
+            (Some(most_m), None) => (most_m, "largest; no phase finished".to_owned()),
+            (None, _) => (error.rmse, "RMSE over the run".to_owned()),
         };
-        return Some(Card { title, value, detail: detail.to_owned(), alarming: before.is_some() });
+        return Some(Card { title, value: mm(value_m), detail, alarming: before.is_some() });
     };
     let most =
         causes.sorted().first().map_or(String::new(), |&(cause, part_m)| format!("; {}", because(cause, part_m)));
@@ -253,8 +270,8 @@ fn clearance_card(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
     let is_free = !log.info.solids.iter().any(|solid| !solid.region);
     let free = || Card {
         title: "Clearance",
-        value: "free".to_owned(),
-        detail: "the scene has no obstacles".to_owned(),
+        value: "no obstacles".to_owned(),
+        detail: "in the scene".to_owned(),
         alarming: false,
     };
     // A log without a scene says nothing of obstacles.
@@ -326,6 +343,8 @@ pub(super) fn phases(log: &RunLog) -> Vec<PhaseRow> {
             pressure: part(tip.map(|tip| tip.pressure_m)),
             model: part(tip.and_then(|tip| tip.model_m)),
             sag: part(tip.and_then(|tip| tip.sag_m)),
+            swing: part(outcome.swing_m),
+            swing_planned: part(phase.swing.map(|swing| swing.residual_m)),
             planned: near(&phase.nearest),
             achieved: near(&outcome.nearest),
         }

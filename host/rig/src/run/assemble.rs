@@ -393,6 +393,7 @@ pub(super) fn phase_infos(scene: &Scene, plan: &Plan) -> Vec<PhaseInfo> {
             distance_m: nearest.distance_m,
             time_s: nearest.time_us as f64 * 1e-6,
         }),
+        swing: None,
     });
     phases.collect()
 }

@@ -15,13 +15,13 @@ use crate::link;
 use crate::link::{
     DeviceConfiguration, Event, Knot, LinkError, SampleRequest, Sampling, StreamOptions, Traffic, Transport,
 };
-use crate::record::{LinkSummary, RunInfo, RunLog, Sample};
+use crate::record::{LinkSummary, RunInfo, RunLog, Sample, SwingInfo};
 use crate::report::{self, Summary};
 use crate::simulate;
 use softlimb_limb::{Drive, Limb};
 use softlimb_motion as motion;
-use softlimb_motion::{ModuleInverse, Plan, Sent};
-use softlimb_scene::{Corrections, Scene};
+use softlimb_motion::{ModuleInverse, Plan, Sent, Swing, Vibrations};
+use softlimb_scene::{BodyEffects, Corrections, Scene, TrueLimb};
 
 /// Number of the link session. A simulated device is new in every run, so one number serves, and equal runs are equal logs.
 pub(super) const SESSION: u16 = 1;
@@ -136,6 +136,14 @@ impl<'a> Prepared<'a> {
         let mut info = run_info(self.scene, &self.limb, phase_infos(self.scene, &self.plan), origin);
         for object in &mut info.carried {
             object.start_m = Some(self.plan.tip_m(&self.limb, object.from_s * 1e6));
+        }
+        let can_swing =
+            info.seed.is_none() || matches!(self.scene.plant().truth, TrueLimb::Body(BodyEffects { swing: true, .. }));
+        // A limb that falls has no vibrations, and its plan was refused before.
+        let swings = can_swing.then(|| motion::swings(self.scene, &self.limb, &self.plan).unwrap_or_default());
+        for (phase, swing) in info.phases.iter_mut().zip(swings.unwrap_or_default()) {
+            let Swing { residual_m, moved: Vibrations { frequency_hz: [frequency_hz, _], .. }, .. } = swing;
+            phase.swing = Some(SwingInfo { residual_m, frequency_hz });
         }
         info
     }

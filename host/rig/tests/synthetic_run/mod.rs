@@ -39,6 +39,7 @@ pub(crate) fn info() -> RunInfo {
         gripper: None,
         region: None,
         nearest: None,
+        swing: None,
     });
     RunInfo {
         scene_name: "synthetic-limb".into(),

@@ -146,7 +146,8 @@ const Plots = (() => {
       const level = ({ trace }) => {
         const [times, values] = [this.times(trace), this.values(trace)];
         for (let row = Columns.row_at(times, this.all.range[1]); row >= 0 && times[row] >= this.all.range[0]; row--) {
-          if (Number.isFinite(values[row])) return yaxis.d2p(values[row]);
+          // A line may leave its plot at the top.
+          if (Number.isFinite(values[row])) return Math.max(0, yaxis.d2p(values[row]));
         }
         return size.h / 2;
       };
