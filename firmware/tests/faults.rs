@@ -1,5 +1,6 @@
 //! Faults: what detects them, how fast the outputs are safe, and what they leave alone.
 
+use crate::common::fixture::{Fixture, NOMINAL, Truth};
 use crate::common::{Bench, SESSION};
 use proptest::prelude::*;
 use softlimb_firmware::ValvePulse;
@@ -61,6 +62,20 @@ fn line_drop_while_filling_is_not_taken_for_over_pressure() {
     }
     assert!(highest_pa > 150e3, "the manifold does exceed the limit: {highest_pa}");
     assert_eq!(only_fault(&bench), (FaultCode::SetpointsExhausted, SYSTEM_CHANNEL));
+}
+
+#[test]
+fn kinked_hose_is_noticed_and_a_narrow_one_is_not() {
+    // From 80 down to 50 kPa. Up, the manifold of a kinked hose comes to the pressure limit first.
+    for (share, is_noticed) in [(0.1, true), (0.7, false), (1.0, false), (1.5, false)] {
+        let mut bench = Bench::running(1, 50_000, 60);
+        bench.attach(1, 80e3);
+        bench.fixtures[0] = Fixture::new(Truth { line_c: share * NOMINAL.line_c, ..NOMINAL }, 80e3);
+        bench.ticks(1_000);
+        let faults = bench.told_faults();
+        let of_air = faults.iter().any(|(code, _)| matches!(code, FaultCode::MissingAir | FaultCode::ExcessAir));
+        assert_eq!(of_air, is_noticed, "{share}: {faults:?}");
+    }
 }
 
 #[test]

@@ -54,6 +54,7 @@ pub(crate) struct Truth {
     pub(crate) on_us: i64,
     pub(crate) off_us: i64,
     pub(crate) leak_c: f64,
+    pub(crate) line_c: f64,
 }
 
 /// The chamber that the controller believes in.
@@ -64,6 +65,7 @@ pub(crate) const NOMINAL: Truth = Truth {
     on_us: 3_500,
     off_us: 2_000,
     leak_c: 1e-13,
+    line_c: 3.78e-9,
 };
 
 #[derive(Clone)]
@@ -130,7 +132,7 @@ impl Fixture {
         let t = self.truth;
         let fill = if self.fill.open { iso_6358(t.valve_c, 0.3, ATMOSPHERE_PA + SUPPLY_PA, self.line_pa) } else { 0.0 };
         let vent = if self.vent.open { iso_6358(t.valve_c, 0.3, self.line_pa, ATMOSPHERE_PA) } else { 0.0 };
-        let line = iso_6358(3.78e-9, 0.29, self.line_pa, self.chamber_pa);
+        let line = iso_6358(t.line_c, 0.29, self.line_pa, self.chamber_pa);
         let leak = iso_6358(t.leak_c, 0.3, self.chamber_pa, ATMOSPHERE_PA);
         self.line_pa += RT / LINE_M3 * (fill - vent - line) * dt;
         self.chamber_kg += (line - leak) * dt;
