@@ -1,6 +1,8 @@
 "use strict";
 (() => {
   const by_id = (id) => document.getElementById(id);
+  // A tenth of a kPa; never -0.0.
+  const kpa = (pressure_pa) => (Math.round(pressure_pa * 1e-2) / 10 + 0).toFixed(1);
   const page = document.documentElement.dataset;
   const REPEAT_MS = 50;
   const SPAN_S = 20;
@@ -232,7 +234,7 @@
           g.globalAlpha = 1;
         }
         const now = view && view.channels && view.channels[channel];
-        labels[place].textContent = now ? `${channel}: ${(now[0] * 1e-3).toFixed(1)} of ${(now[1] * 1e-3).toFixed(1)} ${valve(now[2])}` : `${channel}: –`;
+        labels[place].textContent = now ? `${channel}: ${kpa(now[0])} of ${kpa(now[1])} ${valve(now[2])}` : `${channel}: –`;
         labels[place].style.color = color;
       });
     }
@@ -246,7 +248,7 @@
     Object.assign(page, { session: view ? view.session : "none", commands, moving: !!(view && view.moving) });
     by_id("state").textContent = view ? (view.device && (live || vented) ? view.device : view.session) : "no connection";
     by_id("clock").textContent = view && view.time_s !== null ? `${view.time_s.toFixed(1)} s` : "";
-    by_id("supply").textContent = view && view.supply_pa !== null ? `supply ${(view.supply_pa * 1e-3).toFixed(1)} kPa` : "";
+    by_id("supply").textContent = view && view.supply_pa !== null ? `supply ${kpa(view.supply_pa)} kPa` : "";
     by_id("clearance").textContent = view && view.nearest ? `${(1e3 * view.nearest[0]).toFixed(0)} mm from ${view.nearest[1]}` : "";
     by_id("role").textContent = commands ? "this page commands" : free ? "no page commands" : "this page looks: another one commands";
     by_id("take").hidden = commands || !free;
@@ -270,7 +272,7 @@
       else {
         const first = scene.drives[drive].channels[0];
         const now = view && view.channels && view.channels[first];
-        value.textContent = now ? `${(now[1] * 1e-3).toFixed(1)} kPa` : "";
+        value.textContent = now ? `${kpa(now[1])} kPa` : "";
       }
     }
     for (const button of by_id("moves").querySelectorAll("button")) button.disabled = !can_move();

@@ -2,7 +2,7 @@
 
 use super::sample::Sample;
 use super::study::Study;
-use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, Ticks, sheet, span};
+use softlimb_chart::{Axis, Chart, Color, Series, Stroke, Ticks, sheet, span};
 
 /// Area of one chart, px, and its width with its frame.
 const AREA: [f64; 2] = [320.0, 230.0];
@@ -12,6 +12,8 @@ const COLUMNS: usize = 2;
 /// Most tips that are shown for a pose, and points of an ellipse.
 const DOTS: usize = 150;
 const ELLIPSE_POINTS: usize = 64;
+/// Least height of a view over its width: a limb that stays in a plane has a scale, too.
+const LEAST_HEIGHT: f64 = 0.35;
 /// Points of a curve.
 const POINTS: usize = 200;
 
@@ -29,7 +31,8 @@ pub fn picture(title: &str, study: &Study<'_>, samples: &[Sample]) -> String {
 
 /// The nominal limb in each pose, seen along a coordinate, with the tips of the samples.
 fn view(name: &str, study: &Study<'_>, samples: &[Sample], (axes, labels): ([usize; 2], [&str; 2])) -> Chart {
-    let (mut series, mut notes) = (Vec::new(), Vec::new());
+    // Tips lie below all limbs, and limbs below the ellipses.
+    let (mut dots, mut limbs, mut ellipses) = (Vec::new(), Vec::new(), Vec::new());
     for (index, pose) in study.poses().iter().enumerate() {
         let color = Color::nth(index);
         let states: Vec<_> = study
@@ -49,18 +52,20 @@ fn view(name: &str, study: &Study<'_>, samples: &[Sample], (axes, labels): ([usi
             .collect();
         let ellipse = ellipse(&tips);
         let shown = tips.iter().step_by(tips.len().div_ceil(DOTS).max(1)).copied().collect();
-        let mut add = |color, stroke, points| series.push(Series { label: String::new(), color, stroke, points });
+        let one = |label: &str, color, stroke, points| Series { label: label.into(), color, stroke, points };
         // In the color of the ellipse, the tips would hide it.
-        add(Color::Faint, Stroke::Dots, shown);
-        add(color, Stroke::Solid, line);
-        add(color, Stroke::Solid, ellipse);
-        notes.push(Note { at: end, text: pose.name.clone() });
+        dots.push(one("", Color::Faint, Stroke::Dots, shown));
+        limbs.push(one(&pose.name, color, Stroke::Solid, line));
+        ellipses.push(one("", color, Stroke::Solid, ellipse));
     }
+    let series: Vec<Series> = [dots, limbs, ellipses].concat();
     let points = || series.iter().flat_map(|one| &one.points);
     let [x, y] = [0, 1].map(|axis: usize| {
         let [low, high] = span(points().map(|point| point[axis]));
         [low, high.max(low + 0.05)]
     });
+    let missing = (LEAST_HEIGHT * (x[1] - x[0]) - (y[1] - y[0])).max(0.0);
+    let y = [y[0] - 0.5 * missing, y[1] + 0.5 * missing];
     // One scale for both axes.
     let scale = (AREA[0] / (x[1] - x[0])).min(AREA[1] / (y[1] - y[0]));
     Chart {
@@ -71,7 +76,7 @@ fn view(name: &str, study: &Study<'_>, samples: &[Sample], (axes, labels): ([usi
         series,
         bands: Vec::new(),
         marks: Vec::new(),
-        notes,
+        notes: Vec::new(),
     }
 }
 

@@ -47,8 +47,11 @@ pub fn picture(
         let extreme: Vec<SeenLine<'_>> = across.map(|one| (one.name, seen(&one.line_m))).collect();
         view(name, ((grid, free), along, deepest), (seen(rest_m), &extreme), labels)
     });
-    let lines =
-        if free.is_some() { "Grey: without load. Line: limb at rest." } else { "Lines: limb at rest and at extremes." };
+    let lines = if free.is_some() {
+        "Grey: without load alone. Line: limb at rest."
+    } else {
+        "Lines: limb at rest and at extremes."
+    };
     let caption = format!(
         "{title}. Shades: depth behind a place, in five steps up to {:.2} m. {lines}",
         deepest as f64 * grid.side_m()
@@ -91,7 +94,13 @@ fn view(
         })
         .collect();
     let side = free.map_or(grid.side_m(), Grid::side_m);
-    all.insert(0, series("", Color::Faint, Stroke::Cells { side, shade: 2 }, behind));
+    // Shades are translucent: over grey they would be other shades.
+    let is_covered = |[x, y]: &[f64; 2]| {
+        let half = 0.5 * grid.side_m();
+        depths.iter().any(|(place, _)| (place[0] - x).abs() <= half && (place[1] - y).abs() <= half)
+    };
+    let bare = behind.into_iter().filter(|place| !is_covered(place)).collect();
+    all.insert(0, series("", Color::Faint, Stroke::Cells { side, shade: 2 }, bare));
     all.extend(extreme.iter().map(|(_, line)| series("", Color::Ink, Stroke::Solid, line.clone())));
     let notes =
         extreme.iter().filter_map(|(name, line)| Some(Note { at: *line.last()?, text: (*name).into() })).collect();

@@ -318,7 +318,7 @@ pub(super) fn phases(log: &RunLog) -> Vec<PhaseRow> {
         let part = |part: Option<f64>| part.filter(|part| part.is_finite()).map_or(String::new(), number_mm);
         let near = |near: &Option<NearestInfo>| {
             near.as_ref().map_or(String::new(), |near| {
-                format!("{} from {} at {:.2} s", mm(near.distance_m), near.obstacle, near.time_s)
+                format!("{} from {} at {:.2}\u{a0}s", mm(near.distance_m), near.obstacle, near.time_s)
             })
         };
         PhaseRow {

@@ -114,8 +114,6 @@
     Object.assign(element, { type: "button", className: `segment ${kind}`, title: `${name}: ${start.toFixed(2)} to ${end.toFixed(2)} s`, tabIndex: -1 });
     element.style.left = share(start);
     element.style.width = `calc(${share(end)} - ${share(start)})`;
-    // A short state at the end of a run has its name all the same.
-    if (kind.startsWith("state") && end >= last_s) Object.assign(element.style, { left: "auto", right: `calc(100% - ${share(end)})`, minWidth: "3.8rem" });
     const label = document.createElement("span");
     label.textContent = name;
     element.append(label);
