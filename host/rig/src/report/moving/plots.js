@@ -147,7 +147,7 @@ const Plots = (() => {
         const [times, values] = [this.times(trace), this.values(trace)];
         for (let row = Columns.row_at(times, this.all.range[1]); row >= 0 && times[row] >= this.all.range[0]; row--) {
           // A line may leave its plot at the top.
-          if (Number.isFinite(values[row])) return Math.max(0, yaxis.d2p(values[row]));
+          if (Number.isFinite(values[row])) return Math.max(LABEL_PX / 2, yaxis.d2p(values[row]));
         }
         return size.h / 2;
       };
