@@ -311,6 +311,18 @@ fn tip_beyond_its_tolerance_or_its_region_is_a_miss() {
     let goals = |goal: &str| page.matches(&format!("<td>{goal}</td>")).count();
     assert_eq!((goals("hit"), goals("missed")), (3, 1));
 
+    // Within a region the tip may be far from its setpoint.
+    let mut within = off.clone();
+    let at = within.samples.iter().rfind(|sample| sample.time_s <= 10.0).unwrap().tip_achieved_m.unwrap();
+    let half_axes_m = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]];
+    let shape = SolidShape::Box { center_m: at, half_axes_m };
+    within.info.solids = vec![SolidInfo { name: "tray".into(), region: true, lines_m: Vec::new(), shape: Some(shape) }];
+    within.info.phases[1].region = Some("tray".into());
+    assert_eq!(
+        verdict(&within)[0],
+        "Hit all 4 goals: the tip ended at most 5.0 mm off (allowed 18.0 mm, 3 % of the limb's length)."
+    );
+
     // A region of 0.2 m whose near face is 10 mm beyond the tip, which is 2 mm from its setpoint.
     let mut beside = run;
     let at = beside.samples.iter().rfind(|sample| sample.time_s <= 10.0).unwrap().tip_setpoint_m;

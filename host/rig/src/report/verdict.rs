@@ -53,7 +53,9 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
     let arrival = match (unfinished, &summary.misses[..], worst) {
         (Some(outcome), ..) => stopped(&outcomes, outcome, summary),
         (None, [first, rest @ ..], _) => missed(first, rest.len()),
-        (None, [], Some(_)) if !off_goal.is_empty() => off(off_goal.clone(), outcomes.len()),
+        (None, [], Some(_)) if !off_goal.is_empty() => {
+            off(off_goal.clone(), outcomes.iter().filter(|outcome| outcome.goal.is_some()).count())
+        }
         (None, [], Some((_, _, total_m))) => hit(&outcomes, total_m),
         (None, [], None) => "The pressures brought every module to its setpoint. No observer measured the limb.".into(),
     };
@@ -130,12 +132,17 @@ fn hit(outcomes: &[Outcome<'_>], total_m: f64) -> String {
         1 => "Hit the goal".to_owned(),
         count => format!("Hit all {count} goals"),
     };
-    let allowed = outcomes.iter().find_map(|outcome| outcome.goal?.allowed());
-    format!("{goals}: the tip ended at most {} off{}.", mm(total_m), allowed.unwrap_or_default())
+    // The tip may be far from its setpoint in a region.
+    let points = outcomes.iter().filter_map(|outcome| match outcome.goal? {
+        GoalCheck::Point { error_m, .. } => Some((error_m, outcome.goal?.allowed()?)),
+        GoalCheck::Region { .. } => None,
+    });
+    let (most_m, allowed) = points.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((total_m, String::new()));
+    format!("{goals}: the tip ended at most {} off{allowed}.", mm(most_m))
 }
 
 /// Phases that ended off their goal, the farthest first: points, which share a tolerance, and then regions.
-fn off(mut off_goal: Vec<&Outcome<'_>>, phases: usize) -> String {
+fn off(mut off_goal: Vec<&Outcome<'_>>, goals: usize) -> String {
     const NAMED: usize = 4;
     let beyond_m = |outcome: &Outcome<'_>| outcome.goal.map_or(0.0, |goal| goal.beyond_m());
     off_goal.sort_by(|a, b| beyond_m(b).total_cmp(&beyond_m(a)));
@@ -156,7 +163,7 @@ fn off(mut off_goal: Vec<&Outcome<'_>>, phases: usize) -> String {
     let more = off_goal.len().saturating_sub(NAMED);
     let more = (more > 0).then(|| format!("{more} more"));
     let named: Vec<_> = points.into_iter().chain(regions).chain(more).collect();
-    format!("Missed {} of {phases} goals: the tip ended {}.", off_goal.len(), named.join(", "))
+    format!("Missed {} of {goals} goals: the tip ended {}.", off_goal.len(), named.join(", "))
 }
 
 impl GoalCheck<'_> {
