@@ -66,7 +66,7 @@ fn line_drop_while_filling_is_not_taken_for_over_pressure() {
 
 #[test]
 fn kinked_hose_is_noticed_and_a_narrow_one_is_not() {
-    // From 80 down to 50 kPa. Up, the manifold of a kinked hose comes to the pressure limit first.
+    // From 80 down to 50 kPa. While filling, the manifold before a kinked hose reaches the pressure limit first.
     for (share, is_noticed) in [(0.1, true), (0.7, false), (1.0, false), (1.5, false)] {
         let mut bench = Bench::running(1, 50_000, 60);
         bench.attach(1, 80e3);

@@ -113,7 +113,7 @@ fn flow_of_either_valve_is_told_beside_the_modelled_one() {
         let expected = 100.0 * path(valve) / path(1.44);
         for kind in [StepKind::Fill, StepKind::Vent] {
             let (share, uncertainty) = flow(&steps, kind);
-            // Air that was let out a moment ago is cold, and its pressure low.
+            // The air is still a little colder than the wall when the pressure is read.
             let allowed = uncertainty + 0.03 * expected;
             assert!((share - expected).abs() <= allowed, "{kind}: {share} +- {uncertainty}, {expected}");
             assert!(uncertainty <= 40.0, "{kind}: {uncertainty}");

@@ -44,12 +44,12 @@ pub struct PhaseInfo {
     /// Least clearance of the planned body from the obstacles; `None` without obstacles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nearest: Option<NearestInfo>,
-    /// Swing after the move by the plan; `None` where it has no weight or the simulated limb does not swing, and in logs of earlier versions.
+    /// Predicted swing after the move; `None` if the plan is weightless or the simulated limb does not swing, and in logs of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub swing: Option<SwingInfo>,
 }
 
-/// Swing of the tip after a move by the plan.
+/// Predicted swing of the tip after a move.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SwingInfo {
     /// Largest distance of the tip from where it comes to rest, m.
@@ -120,7 +120,7 @@ pub struct RunInfo {
     /// Solids around the limb.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solids: Vec<SolidInfo>,
-    /// Least clearance that the scene asks for, m; `None` where it asks for none, and in logs of earlier versions.
+    /// Least clearance that the scene requires, m; `None` if it requires none, and in logs of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clearance_m: Option<f64>,
     /// Objects that the tip carries, in order of time.

@@ -14,7 +14,7 @@ const TRUTH: &str = "true_limb";
 /// Key of the highest true pressures.
 const PEAKS: &str = "peak_chamber_pa";
 const TARGETS: &str = "targets";
-/// Key of the clearance that the scene asks for.
+/// Key of the clearance that the scene requires.
 const CLEARANCE: &str = "clearance_m";
 
 /// A metadata record's content.

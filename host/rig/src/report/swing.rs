@@ -1,17 +1,17 @@
-//! Swing of the tip after a move, as it was seen.
+//! Observed swing of the tip after a move.
 
 use nalgebra::Vector3;
 
 use crate::record::{PhaseInfo, RunLog, Sample};
 
-/// Periods of the slowest vibration over which a swing is taken, at most; and fewest samples of a period.
+/// Most periods of the slowest vibration over which the swing is measured, and fewest samples of a period.
 const PERIODS: f64 = 2.0;
 const SAMPLES: f64 = 8.0;
 
-/// Largest distance of the tip from its mean in the first two periods after a move, or the one that its hold has, m. Tracking has no part in it:
-/// the tip counts from where the model has it at the pressures of the time. Creep of that time has one.
+/// Largest distance of the tip from its mean position, m, in the first two periods after a move, or in the first if the hold is shorter. The position
+/// is relative to the modelled tip at the measured pressures, which removes the tracking error. Creep is included.
 ///
-/// `None` without a predicted frequency, in a hold shorter than a period, where the gripper acts, and where nobody saw the tip.
+/// `None` without a predicted frequency, in a hold shorter than a period, where the gripper acts, and where the tip was not observed.
 pub(super) fn seen_m(log: &RunLog, phase: &PhaseInfo) -> Option<f64> {
     let frequency_hz = phase.swing.filter(|_| phase.gripper.is_none())?.frequency_hz;
     let periods = (phase.hold_s * frequency_hz).floor().min(PERIODS);

@@ -249,7 +249,7 @@ fn least<'a>(outcomes: &'a [Outcome<'_>]) -> Option<&'a NearestInfo> {
 /// The least clearance beside that of the plan, where there are obstacles.
 fn clearance_of(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
     let title = "Clearance";
-    // A plan that was not followed to its end is no measure for what was.
+    // The planned clearance counts only as far as the run came.
     let end_s = log.samples.last().map_or(f64::INFINITY, |sample| sample.time_s);
     let planned = outcomes.iter().filter_map(|outcome| outcome.phase.nearest.as_ref());
     let planned = planned.filter(|nearest| nearest.time_s <= end_s);

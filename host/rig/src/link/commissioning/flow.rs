@@ -1,17 +1,17 @@
-//! Flow through valve and line of a channel, beside the model of it that the device computes with.
+//! Measured flow through valve and line of a channel, over the flow that the device's own model predicts.
 
 use std::fmt;
 
 use softlimb_firmware::{ActiveConfig, Chamber, ChannelConfig, Direction, Inverse, Pneumatics};
 
-/// Doubt about the opening and the closing delay of a valve together, us: their spread from one valve to another.
+/// Uncertainty of the difference between a valve's opening and closing delays, us.
 const DELAYS_US: f64 = 1_500.0;
-/// Flows beside the modelled one that the pressure loop can adapt to.
+/// Ratios of measured to modelled flow that the pressure loop can adapt to.
 const SHARES: std::ops::RangeInclusive<f64> = 0.4..=2.5;
-/// Parts of a change of pressure over which the modelled flow is taken as constant.
+/// Number of parts of a pressure change; the modelled flow is constant within each part.
 const PARTS: u8 = 16;
 
-/// Pulses of one valve: what they did to a chamber, and what they would have done by the model.
+/// Pulses of one valve, and the model that predicts their effect on the chamber.
 pub(super) struct Pulses<'a> {
     pneumatics: &'a Pneumatics,
     channel: &'a ChannelConfig,
@@ -20,7 +20,7 @@ pub(super) struct Pulses<'a> {
     count: u32,
 }
 
-/// Flow beside the modelled one, and its uncertainty; both as a share of the modelled flow.
+/// Measured flow and its uncertainty, both as a share of the modelled flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Share {
     pub(super) share: f64,
@@ -42,13 +42,13 @@ impl<'a> Pulses<'a> {
         self.count += 1;
     }
 
-    /// The flow that has moved the chamber from one pressure at rest to another, with closed valves before and after.
+    /// The flow, from the pressures of the chamber before and after the pulses. Both are pressures at rest, with closed valves.
     pub(super) fn share(&self, from_pa: f64, to_pa: f64, supply_pa: f64) -> Share {
         let share = self.modelled_us(from_pa, to_pa, supply_pa) / self.open_us;
         Share { share, uncertainty: share * DELAYS_US * f64::from(self.count) / self.open_us }
     }
 
-    /// Time for which the valve has to be open for a change of pressure, us, at the temperature of the wall.
+    /// Modelled time that the valve is open for a change of pressure, us. The air has the temperature of the wall before and after.
     fn modelled_us(&self, from_pa: f64, to_pa: f64, supply_pa: f64) -> f64 {
         let mut inverse = Inverse::new();
         inverse.follow_pressure(self.channel, (0.5 * (from_pa + to_pa)) as f32);
@@ -76,7 +76,7 @@ impl<'a> Pulses<'a> {
 }
 
 impl Share {
-    /// Whether the pressure loop can adapt to the flow. What is not a number is no flow that it can adapt to.
+    /// Whether the pressure loop can adapt to the flow, within its uncertainty; false if the flow is not a number.
     pub(super) fn is_usable(&self) -> bool {
         let Self { share, uncertainty } = *self;
         share + uncertainty >= *SHARES.start() && share - uncertainty <= *SHARES.end()

@@ -36,13 +36,13 @@ const WINDOW_US: u64 = 250_000;
 const RATE_PA_PER_S: f64 = 150.0;
 /// Pulse that opens the supply of a ready device, but no fill valve, us: shorter than any opening delay.
 const SUPPLY_PULSE_US: u32 = 1_000;
-/// First and longest pulse of the vent, us, the longest time of the vent valve, us, and the pressure of a vented chamber, Pa. Each pulse is twice
-/// as long as the one before.
+/// First and longest pulse of the vent, us, greatest sum of its pulses, us, and highest pressure of a vented chamber, Pa. Each pulse is twice as
+/// long as the previous one.
 const VENT_US: u32 = 20_000;
 const VENT_MAX_US: u32 = 500_000;
 const VENTS_US: u32 = 4_000_000;
 const VENTED_PA: f64 = 2_000.0;
-/// Share of its pressure that a chamber has kept at least, and lost at least, where the flow of its vent is judged: the last of the air says little.
+/// Least shares of its pressure that a chamber has kept and lost when the flow of its vent is judged: near zero pressure the flow is uncertain.
 const KEPT_SHARE: f64 = 0.2;
 const LOST_SHARE: f64 = 0.1;
 
@@ -191,7 +191,7 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
         while at_pa > VENTED_PA && spent_us < VENTS_US {
             self.hand.pulse(index, PulseDirection::Vent, pulse_us)?;
             self.observe(u64::from(pulse_us) + REST_US / 2);
-            // Air that was let out a moment ago is cold, and its pressure low.
+            // Venting cools the air left in the chamber, which lowers its pressure until the wall has warmed it.
             at_pa = mean_pa(&self.observe(REST_US), channel);
             pulses.add(pulse_us);
             if at_pa >= KEPT_SHARE * start_pa && at_pa <= (1.0 - LOST_SHARE) * start_pa {
@@ -206,7 +206,7 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
         Ok(if is_good { self.judged(&text, share) } else { failed(self.with_faults(text)) })
     }
 
-    /// A valve that moves its chamber, by its flow where that was measured.
+    /// The verdict on a valve that works, by its flow if that was measured.
     fn judged(&self, text: &str, share: Option<Share>) -> Finding {
         match share {
             Some(share) if share.is_usable() => passed(format!("{text}: {share}")),

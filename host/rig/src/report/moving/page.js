@@ -246,7 +246,7 @@
 
   document.body.classList.add("moving");
   fitted();
-  // What is seen first is the worst end of a phase, or a fault.
+  // The page opens at the end of the phase with the largest error, or at the first fault.
   if (count) row = Columns.row_at(samples.t, run.opens);
   show();
   // The limb is there before the plots: their script takes a while to unpack.

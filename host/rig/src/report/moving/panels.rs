@@ -41,7 +41,7 @@ pub(super) struct Panel {
     /// Label of the axis with its unit.
     axis: String,
     from_zero: bool,
-    /// Highest value that is of interest.
+    /// Upper end of the axis, beyond which values are cut off.
     #[serde(skip_serializing_if = "Option::is_none")]
     most: Option<f64>,
     traces: Vec<Trace>,
