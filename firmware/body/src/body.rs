@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, SVector, Translation3, UnitQuaternion, Vector3};
 
 use crate::beam::Node;
+use crate::contact::{Contacts, Push, Shape};
 use crate::motion::Inertia;
 use crate::tridiagonal::{Block, Part, Tridiagonal};
 use crate::tube::{Condensed, Tube};
@@ -11,6 +12,8 @@ use crate::tube::{Condensed, Tube};
 const SETTLED: f64 = 1e-9;
 /// Longest step of an iteration, m and rad.
 const LONGEST: f64 = 0.1;
+/// The same among solids, which it must not take the limb through, m and rad.
+const LONGEST_AMONG_SOLIDS: f64 = 0.02;
 const ITERATIONS: u32 = 25;
 /// Halvings of a change of pressures and load that does not settle in one go.
 const HALVINGS: u32 = 6;
@@ -70,6 +73,7 @@ pub struct Body {
     /// Pressures and load of the last equilibrium, or instant.
     pub(crate) pressures_pa: Vec<f64>,
     pub(crate) load: Load,
+    pub(crate) contacts: Contacts,
 }
 
 /// What acts on the limb from outside.
@@ -115,6 +119,7 @@ impl Body {
             tip_m: Vector3::from(tip_m),
             pressures_pa: vec![0.0; channels],
             load: Load { weight: 0.0, payload_kg: 0.0, tip_force_n: Vector3::zeros() },
+            contacts: Contacts::default(),
         };
         let mut at = *base;
         for bay in &body.bays {
@@ -185,6 +190,13 @@ impl Body {
                 .iter_mut()
                 .for_each(|tube| tube.remember([&ends[0], &ends[1]], pressures_pa, span_s));
         }
+        let tip = self.tip();
+        self.contacts.remember(Shape { nodes: &self.nodes, tip, inertia: None });
+    }
+
+    /// Index of the plate that carries the load, and the place of the load in its frame.
+    pub(crate) fn tip(&self) -> (usize, Vector3<f64>) {
+        (self.nodes.len() - 1, self.tip_m)
     }
 
     /// Moves all nodes as far beyond their places as they have come since `start`.
@@ -203,7 +215,11 @@ impl Body {
         span_s: f64,
         inertia: Option<&Inertia>,
     ) -> bool {
+        let most = if self.contacts.is_empty() { LONGEST } else { LONGEST_AMONG_SOLIDS };
+        self.contacts.begin();
         for _ in 0..ITERATIONS {
+            let tip = self.tip();
+            self.contacts.hold(Shape { nodes: &self.nodes, tip, inertia });
             let Some((matrix, residual, tubes)) = self.system(pressures_pa, load, span_s, inertia) else {
                 return false;
             };
@@ -212,7 +228,7 @@ impl Body {
             if !longest.is_finite() {
                 return false;
             }
-            let scale = (LONGEST / longest).min(1.0);
+            let scale = (most / longest).min(1.0);
             let mut tubes = tubes.into_iter();
             for (index, bay) in self.bays.iter_mut().enumerate() {
                 let mut ends = SVector::<f64, 12>::zeros();
@@ -228,7 +244,9 @@ impl Body {
                 *node = node.moved(&(step * scale));
             }
             if longest < SETTLED {
-                return matrix.is_positive();
+                if !self.contacts.release(Shape { nodes: &self.nodes, tip, inertia }) {
+                    return matrix.is_positive();
+                }
             }
         }
         false
@@ -290,6 +308,19 @@ impl Body {
             if index + 1 == self.nodes.len() {
                 push(self.tip_m, load.payload_kg, self.gravity_m_per_s2 * load.payload_kg + load.tip_force_n);
             }
+        }
+        for Push { plate, arm_m, force_n, settled_n, stiffness } in self.contacts.pushes(self.shape(inertia)) {
+            let moment = arm_m.cross(&force_n);
+            residual[plate] += Part::new(force_n.x, force_n.y, force_n.z, moment.x, moment.y, moment.z);
+            let (cross, diagonal) = (arm_m.cross_matrix(), &mut matrix.diagonal[plate]);
+            let mut add = |row: usize, column: usize, block: Matrix3<f64>| {
+                let mut view = diagonal.fixed_view_mut::<3, 3>(row, column);
+                view += block;
+            };
+            add(0, 0, stiffness);
+            add(0, 3, -stiffness * cross);
+            add(3, 0, cross * stiffness);
+            add(3, 3, -cross * stiffness * cross - settled_n.cross_matrix() * cross);
         }
         Some((matrix, residual, tubes))
     }

@@ -8,6 +8,7 @@
 
 mod beam;
 mod body;
+mod contact;
 mod curve;
 mod law;
 mod memory;
@@ -17,6 +18,7 @@ mod tridiagonal;
 mod tube;
 
 pub use body::{Bay, Body, Fallen, Mass, Plate, TubeStrain};
+pub use contact::{Ball, Contact, Hanging, Solid};
 pub use curve::Curve;
 pub use law::{Law, Main, Potential, Stiffness, Term};
 pub use memory::{Effects, Memory, MemoryParameters};

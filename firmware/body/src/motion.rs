@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::beam::{Node, turn_vector};
 use crate::body::{Body, Fallen, Load};
+use crate::contact::{BRAKING_S, Hanging};
 use crate::tridiagonal::Part;
 
 /// Halvings of a step that finds no equilibrium.
@@ -41,6 +42,19 @@ impl Inertia {
         let per_n_per_m = kg / (self.half_s * self.half_s);
         let outwards = -turn.cross(&turn.cross(&arm));
         ((drifts - went + outwards) * per_n_per_m, per_n_per_m, -arm.cross_matrix())
+    }
+
+    /// By how much a point at an arm of a plate, which is at `middle` now, goes on to the end of the step, m, and its velocity there, m/s.
+    pub(crate) fn ahead(&self, plate: usize, arm_m: &Vector3<f64>, middle: &Node) -> [Vector3<f64>; 2] {
+        let start = &self.start[plate];
+        let was_m = start.turn * middle.turn.tr_mul(arm_m);
+        let went_m = middle.place + arm_m - start.place - was_m;
+        [went_m, went_m * (2.0 / self.half_s) - velocity_at(&self.velocities[plate], &was_m)]
+    }
+
+    /// Change of place and velocity at the end by a shift in the middle.
+    pub(crate) fn ahead_by_shift(&self) -> [f64; 2] {
+        [2.0, 2.0 / self.half_s]
     }
 }
 
@@ -76,7 +90,12 @@ impl Moving {
         self.body.settle(pressures_pa, payload_kg, span_s)
     }
 
-    /// Goes on by `span_s` as [`advance`](Self::advance) does, in even steps of at most `step_s`.
+    /// Hangs an object at the tip, as [`Body::carry`] does.
+    pub fn carry(&mut self, object: Option<Hanging>) {
+        self.body.carry(object);
+    }
+
+    /// Goes on by `span_s` as [`advance`](Self::advance) does, in even steps of at most `step_s`, and shorter ones near a solid.
     ///
     /// # Errors
     /// [`Fallen`] as there.
@@ -87,6 +106,8 @@ impl Moving {
         span_s: f64,
         step_s: f64,
     ) -> Result<(), Fallen> {
+        // Twice this time is the step in which an impact leaves no velocity.
+        let step_s = if self.body.is_near_solid() { step_s.min(2.0 * BRAKING_S) } else { step_s };
         let steps = (span_s / step_s).ceil().max(1.0) as u32;
         let from = (self.body.pressures_pa.clone(), self.body.load.payload_kg);
         (1..=steps).try_for_each(|step| {

@@ -1,5 +1,6 @@
 //! Properties and oracles of the true body.
 
+mod contact;
 mod laws;
 mod memory;
 mod motion;
