@@ -17,6 +17,7 @@ fn end(run: &RunLog) -> RunEnd {
     RunEnd {
         link: run.link,
         peak_chamber_pa: run.peak_chamber_pa.clone(),
+        contacts: run.contacts.clone(),
         wall_s: run.wall_s,
         targets: run.targets.clone(),
     }

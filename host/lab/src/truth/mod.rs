@@ -24,11 +24,11 @@ const LIMBS: [TrueLimb; 9] = [
     TrueLimb::Body(BodyEffects { assembly: true, ..NONE }),
     TrueLimb::Body(BodyEffects { swing: true, ..NONE }),
     TrueLimb::Body(BodyEffects { hysteresis: true, creep: true, softening: true, assembly: true, ..NONE }),
-    TrueLimb::Body(BodyEffects { hysteresis: true, creep: true, softening: true, assembly: true, swing: true }),
+    TrueLimb::Body(BodyEffects { hysteresis: true, creep: true, softening: true, assembly: true, swing: true, ..NONE }),
 ];
 
 const NONE: BodyEffects =
-    BodyEffects { hysteresis: false, creep: false, softening: false, assembly: false, swing: false };
+    BodyEffects { hysteresis: false, creep: false, softening: false, assembly: false, contact: false, swing: false };
 
 /// A line of the table: tip errors before and after learning, m.
 #[derive(Clone, Debug, PartialEq)]

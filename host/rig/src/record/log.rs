@@ -277,6 +277,21 @@ pub struct RunEnd {
     pub wall_s: Option<f64>,
     /// How the targets were met by hand; empty where nobody moved the limb by hand.
     pub targets: Vec<TargetRecord>,
+    /// Obstacles that stopped the simulated limb.
+    pub contacts: Vec<ContactRecord>,
+}
+
+/// An obstacle that stopped the simulated limb or what it carried.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ContactRecord {
+    /// Name of the obstacle.
+    pub obstacle: String,
+    /// Largest force at a sample, N.
+    pub force_n: f64,
+    /// Its time, s.
+    pub time_s: f64,
+    /// Time of the first sample with a contact, s.
+    pub first_s: f64,
 }
 
 /// How one target was met by hand.
@@ -315,6 +330,9 @@ pub struct RunLog {
     /// How the targets were met by hand; empty where nobody moved the limb by hand.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub targets: Vec<TargetRecord>,
+    /// Obstacles that stopped the simulated limb; empty where none did, or where the simulated limb passes through obstacles.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<ContactRecord>,
     /// Why the log ends before the run did; `None` for a finished log.
     pub incomplete: Option<String>,
 }

@@ -14,6 +14,7 @@ const TRUTH: &str = "true_limb";
 /// Key of the highest true pressures.
 const PEAKS: &str = "peak_chamber_pa";
 const TARGETS: &str = "targets";
+const CONTACTS: &str = "contacts";
 /// Key of the clearance that the scene requires.
 const CLEARANCE: &str = "clearance_m";
 
@@ -68,6 +69,9 @@ pub(super) fn end_metadata(end: &RunEnd) -> Metadata {
     if !end.targets.is_empty() {
         metadata.insert(TARGETS.into(), to_json(&end.targets));
     }
+    if !end.contacts.is_empty() {
+        metadata.insert(CONTACTS.into(), to_json(&end.contacts));
+    }
     metadata
 }
 
@@ -119,7 +123,8 @@ pub(super) fn read_end(end: &Metadata) -> Result<RunEnd, RecordError> {
     let fields = Fields { name: super::END_METADATA, fields: end };
     let peak_chamber_pa = if end.contains_key(PEAKS) { fields.json(PEAKS)? } else { Vec::new() };
     let targets = if end.contains_key(TARGETS) { fields.json(TARGETS)? } else { Vec::new() };
-    Ok(RunEnd { link: fields.json("link")?, peak_chamber_pa, wall_s: fields.json("wall_s")?, targets })
+    let contacts = if end.contains_key(CONTACTS) { fields.json(CONTACTS)? } else { Vec::new() };
+    Ok(RunEnd { link: fields.json("link")?, peak_chamber_pa, wall_s: fields.json("wall_s")?, targets, contacts })
 }
 
 /// Refuses modules whose channels no device can have: they are numbered by a byte.

@@ -29,7 +29,7 @@ pub use drawn::{DrawnLimb, DrawnLink, Pose, Posture};
 pub use error::RecordError;
 pub(crate) use log::quantity_name;
 pub use log::{
-    ChannelSample, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample,
+    ChannelSample, ContactRecord, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample,
     PhaseInfo, RunEnd, RunInfo, RunLog, Sample, Shape, SwingInfo, TargetRecord,
 };
 pub use reader::read;

@@ -222,7 +222,7 @@ impl PartialLog {
             (None, None) => Some("the run was not finished".to_owned()),
             (_, Some(reason)) => Some(format!("the file is cut off or damaged, and the rest is lost ({reason})")),
         };
-        let RunEnd { link, peak_chamber_pa, wall_s, targets } = match self.end {
+        let RunEnd { link, peak_chamber_pa, wall_s, targets, contacts } = match self.end {
             Some(end) => read_end(&end)?,
             None => RunEnd::default(),
         };
@@ -237,6 +237,7 @@ impl PartialLog {
             peak_chamber_pa,
             wall_s,
             targets,
+            contacts,
             incomplete,
         })
     }

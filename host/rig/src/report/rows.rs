@@ -3,7 +3,7 @@
 
 use super::stats::ErrorStats;
 use super::{ModuleSummary, Summary};
-use crate::record::{FaultRecord, InjectedFault, RunLog, Sample, TargetRecord};
+use crate::record::{ContactRecord, FaultRecord, InjectedFault, RunLog, Sample, TargetRecord};
 
 /// Shown where nothing was observed.
 const ABSENT: &str = "-";
@@ -149,6 +149,12 @@ pub(super) fn peak(summary: &Summary) -> Option<String> {
     let chambers = summary.peak_chamber_pa.iter().zip(limits).enumerate();
     let (channel, (peak_pa, limit_pa)) = chambers.max_by(|a, b| (a.1.0 - a.1.1).total_cmp(&(b.1.0 - b.1.1)))?;
     Some(format!("{:.1} kPa in channel {channel}, whose limit is {:.1} kPa", peak_pa * 1e-3, limit_pa * 1e-3))
+}
+
+/// An obstacle that stopped the limb.
+pub(super) fn contact(contact: &ContactRecord) -> String {
+    let ContactRecord { obstacle, force_n, time_s, first_s } = contact;
+    format!("{obstacle} from {first_s:.2} s, at most {force_n:.1} N at {time_s:.2} s")
 }
 
 /// Device states in order, each with the time from which it held.

@@ -1,7 +1,7 @@
 //! The figures of merit of a run.
 
 use super::stats::{ErrorStats, distance};
-use crate::record::{FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, RunInfo, RunLog, Sample};
+use crate::record::{ContactRecord, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, RunInfo, RunLog, Sample};
 use fra_model::StateQuantity;
 use serde::Serialize;
 use std::ops::Range;
@@ -49,6 +49,9 @@ pub struct Summary {
     /// Gauge pressure above which the device vents the channel, Pa, one per channel; absent in logs of earlier versions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_limit_pa: Option<Vec<f64>>,
+    /// Obstacles that stopped the simulated limb.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<ContactRecord>,
     /// Modules that were not at their setpoint when a phase ended.
     pub misses: Vec<Miss>,
     /// Channels whose reference the device had to limit.
@@ -174,6 +177,7 @@ pub fn summary(log: &RunLog) -> Summary {
         injected_faults: log.info.injected_faults.clone(),
         peak_chamber_pa: log.peak_chamber_pa.clone(),
         pressure_limit_pa: pressure_limits(&log.info),
+        contacts: log.contacts.clone(),
         misses: misses(&log.info, &counted),
         limited_channels: limited_channels(&counted),
         link: log.link,

@@ -78,6 +78,7 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
     let clearance = clearance_of(log, &outcomes);
     let is_close = clearance.as_ref().is_some_and(|card| card.alarming);
     let touches = least(&outcomes).is_some_and(|nearest| nearest.distance_m <= 0.0);
+    let touches = touches || !log.contacts.is_empty();
     let clearance = clearance.map(|card| match touches {
         true => format!("The limb touched an obstacle: {}.", card.detail),
         false => format!("Least clearance of the run: {} {}.", card.value, card.detail),
@@ -265,11 +266,14 @@ fn clearance_of(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
     let beside = beside.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(", ");
     let beside = if beside.is_empty() { beside } else { format!("; {beside}") };
     let place = format!("{} at {:.2} s", seen.obstacle, seen.time_s);
-    let (value, detail) = match seen.distance_m <= 0.0 {
-        true => ("contact".to_owned(), format!("{} deep in {place}{beside}", mm(-seen.distance_m))),
-        false => (mm(seen.distance_m), format!("from {place}{beside}")),
+    // A limb that obstacles stop is a surface's give deep in them.
+    let pressed = log.contacts.iter().max_by(|a, b| a.force_n.total_cmp(&b.force_n));
+    let (value, detail) = match (pressed, seen.distance_m <= 0.0) {
+        (Some(pressed), _) => ("contact".to_owned(), format!("{}{beside}", rows::contact(pressed))),
+        (None, true) => ("contact".to_owned(), format!("{} deep in {place}{beside}", mm(-seen.distance_m))),
+        (None, false) => (mm(seen.distance_m), format!("from {place}{beside}")),
     };
-    let alarming = seen.distance_m <= log.info.clearance_m.unwrap_or(0.0);
+    let alarming = pressed.is_some() || seen.distance_m <= log.info.clearance_m.unwrap_or(0.0);
     Some(Card { title, value, detail, alarming })
 }
 

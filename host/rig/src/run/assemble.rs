@@ -12,7 +12,7 @@ use super::reference::Reference;
 use super::solid;
 use crate::link::{DeviceFault, LinkStatistics};
 use crate::record::{
-    Body, ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample, PhaseInfo,
+    Body, ChannelSample, ContactRecord, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample, PhaseInfo,
     Posture, RunInfo, Sample, SampleRow, Shape,
 };
 use softlimb_limb::statics::Fidelity;
@@ -106,6 +106,14 @@ impl<'a> Assembler<'a> {
         Self { next_shape_s: f64::INFINITY, next_body_s: f64::INFINITY, ..self }
     }
 
+    /// Obstacles that stopped the limb so far.
+    pub(super) fn contacts(&self) -> Vec<ContactRecord> {
+        match &self.true_limb {
+            TrueLimb::Body(body) => body.contacts(),
+            TrueLimb::Free | TrueLimb::Hanging(_) => Vec::new(),
+        }
+    }
+
     /// The trajectory starts at a device time; the first start is the zero of all times.
     pub(super) fn start(&mut self, start_us: u64) {
         self.start_us.get_or_insert(start_us);
@@ -134,7 +142,9 @@ impl<'a> Assembler<'a> {
             (true_limb, Some(truth), Some(states)) => {
                 let held = |grasp: &mut Grasp| grasp.carried_kg(time_us, payload_kg, truth.gripper_closure);
                 let (carried_kg, lost) = self.grasp.as_mut().map_or((payload_kg, None), held);
-                let (hung, faults) = true_limb.at((time_us, carried_kg), truth, states);
+                // An object leaves the tip with its mass.
+                let object = self.reference.object_at(time_us).filter(|_| carried_kg > 0.0);
+                let (hung, faults) = true_limb.at((time_us, carried_kg, object), truth, states);
                 (Some(hung), lost.into_iter().chain(faults).collect())
             }
         };
@@ -244,12 +254,17 @@ impl<'a> Assembler<'a> {
 
 impl TrueLimb<'_> {
     /// The shape with a mass at the tip, and what happens to the limb; `None` where it has fallen.
-    fn at(&mut self, at: (u64, f64), truth: &Truth, free: &[State<f64>]) -> (Option<Hung>, Vec<FaultRecord>) {
+    fn at(
+        &mut self,
+        (time_us, payload_kg, object): (u64, f64, Option<usize>),
+        truth: &Truth,
+        free: &[State<f64>],
+    ) -> (Option<Hung>, Vec<FaultRecord>) {
         match self {
             Self::Free => (None, Vec::new()),
-            Self::Hanging(hanging) => hanging.at(at, truth, free),
+            Self::Hanging(hanging) => hanging.at((time_us, payload_kg), truth, free),
             Self::Body(body) => {
-                let (hung, fault) = body.at(at, truth, free);
+                let (hung, fault) = body.at((time_us, payload_kg, object), truth, free);
                 (hung, fault.into_iter().collect())
             }
         }

@@ -3,21 +3,21 @@
 //! Quasi-static, as the simple limb under weight, unless the scene lets it swing. The body follows the chambers' pressures; that its shape changes
 //! the chambers' volumes in its turn is left out, and the plant's volumes are those of free actuators.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use fra_model::{ActuatorParameters, Motion, State, StateQuantity};
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use softlimb_body::{
-    Assembly, Bay, Body, Effects, Fallen, Law, Mass, MemoryParameters, Moving, Plate, Stiffness, Tolerance, Tube,
-    TubeStrain,
+    Assembly, Ball, Bay, Body, Effects, Fallen, Hanging, Law, Mass, MemoryParameters, Moving, Plate, Solid, Stiffness,
+    Tolerance, Tube, TubeStrain,
 };
 use softlimb_sim::plant::{TrueParameters, Truth};
 
 use super::hanging::{FALLS, Hung, SYSTEM};
 use super::tube_law;
 use super::tube_law::Wound;
-use crate::record::FaultRecord;
+use crate::record::{ContactRecord, FaultRecord};
 use softlimb_limb::{Drive, Limb, LimbModule};
 use softlimb_scene::{BodyEffects, Scene, collision};
 
@@ -34,6 +34,8 @@ const BEND_RAD: f64 = 0.3;
 const TWIST_RAD: f64 = 0.4;
 /// Longest time step of a limb that swings, s.
 const STEP_S: f64 = 5e-3;
+/// Least distance of two balls with which a rigid part touches obstacles, m.
+const LEAST_BALL_M: f64 = 5e-3;
 /// Beams of a tube between plates without spacers, at least.
 const LONE_BEAMS: usize = 4;
 
@@ -130,19 +132,39 @@ pub(super) struct Bodied<'a> {
     highest_pa: Vec<f64>,
     last_us: u64,
     lost: bool,
+    /// Largest force of each obstacle so far, by its index.
+    touched: BTreeMap<usize, ContactRecord>,
+}
+
+/// An obstacle as a stop.
+#[derive(Debug)]
+struct Obstacle(collision::Shape);
+
+impl Solid for Obstacle {
+    fn distance(&self, point_m: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        let found = self.0.distance(point_m);
+        (found.distance_m, found.gradient)
+    }
 }
 
 impl<'a> Bodied<'a> {
     pub(super) fn new((plant, limb): (&'a Scene, &'a Limb), effects: BodyEffects, seed: u64, laws: Laws) -> Self {
-        Self { plant, limb, effects, seed, laws, body: None, highest_pa: Vec::new(), last_us: 0, lost: false }
+        let (body, highest_pa, touched) = (None, Vec::new(), BTreeMap::new());
+        Self { plant, limb, effects, seed, laws, body, highest_pa, last_us: 0, lost: false, touched }
     }
 
-    /// The shape at a time of the run, us, with a mass at the tip, kg, and the fault that ends it; `free` are the drives' states without load.
+    /// Obstacles that stopped the limb so far.
+    pub(super) fn contacts(&self) -> Vec<ContactRecord> {
+        self.touched.values().cloned().collect()
+    }
+
+    /// The shape at a time of the run, us, with a mass at the tip, kg, of an object of the scene, and the fault that ends it; `free` are the
+    /// drives' states without load.
     ///
     /// `None` from the moment on at which the limb falls.
     pub(super) fn at(
         &mut self,
-        at: (u64, f64),
+        at: (u64, f64, Option<usize>),
         truth: &Truth,
         free: &[State<f64>],
     ) -> (Option<Hung>, Option<FaultRecord>) {
@@ -160,7 +182,8 @@ impl<'a> Bodied<'a> {
         }
     }
 
-    fn settled(&mut self, (time_us, payload_kg): (u64, f64), truth: &Truth) -> Result<(), String> {
+    fn settled(&mut self, (time_us, payload_kg, object): (u64, f64, Option<usize>), truth: &Truth) -> Result<(), String> {
+        let begins = self.body.is_none();
         let (mut body, span_s, rests) = match self.body.take() {
             Some(body) => (body, time_us.saturating_sub(self.last_us) as f64 * 1e-6, !self.effects.swing),
             None => match self.laws.rested(self.seed) {
@@ -183,13 +206,39 @@ impl<'a> Bodied<'a> {
         let pressures_pa: Vec<f64> = truth.channels.iter().map(|channel| channel.pressure_pa.max(0.0)).collect();
         let payload_kg = if self.has_weight() { payload_kg } else { 0.0 };
         let falls = |_: Fallen| "the limb falls: it has no stable equilibrium near the last one".to_owned();
+        if begins && object.is_some() && self.effects.contact {
+            // An object is grasped by a limb that has its shape.
+            body.carry(None);
+            body.settle(&pressures_pa, 0.0, span_s).map_err(falls)?;
+        }
+        body.carry(object.map(|index| self.hanging(index)));
         if rests {
             body.settle(&pressures_pa, payload_kg, span_s).map_err(falls)?;
         } else if span_s > 0.0 {
             body.advance_by(&pressures_pa, payload_kg, span_s, STEP_S).map_err(falls)?;
         }
+        self.note_contacts(body.body(), time_us);
         self.body = Some(body);
         Ok(())
+    }
+
+    /// An object of the scene, from the tip that holds it.
+    fn hanging(&self, object: usize) -> Hanging {
+        let object = &self.plant.objects()[object];
+        Hanging { above_m: object.height_m - object.grasp_m, below_m: object.grasp_m, radius_m: object.radius_m }
+    }
+
+    fn note_contacts(&mut self, body: &Body, time_us: u64) {
+        let time_s = time_us as f64 * 1e-6;
+        for contact in body.contacts() {
+            let force_n = Vector3::from(contact.force_n).norm();
+            let obstacle = || self.plant.obstacles()[contact.solid].name.value.clone();
+            let new = || ContactRecord { obstacle: obstacle(), force_n, time_s, first_s: time_s };
+            let known = self.touched.entry(contact.solid).or_insert_with(new);
+            if force_n > known.force_n {
+                (known.force_n, known.time_s) = (force_n, time_s);
+            }
+        }
     }
 
     /// The module of each channel.
@@ -202,11 +251,11 @@ impl<'a> Bodied<'a> {
     }
 
     fn assembled(&mut self, truth: &Truth) -> Result<Body, String> {
-        let BodyEffects { hysteresis, creep, softening, assembly, swing } = self.effects;
+        let BodyEffects { hysteresis, creep, softening, assembly, contact, swing } = self.effects;
         let effects = Effects { hysteresis, creep, damping: swing, softening };
         let mut seats = Assembly::new(self.seed, if assembly { Tolerance::default() } else { Tolerance::NONE });
         let base = self.limb.base() * seats.base();
-        let (mut bays, mut plates) = (Vec::new(), Vec::new());
+        let (mut bays, mut plates, mut balls) = (Vec::new(), Vec::new(), Vec::new());
         let mut highest_pa = Vec::new();
         // Length of the rigid part below the next bay, and its masses in the frame of the plate that it is fixed to.
         let mut rigid_m = 0.0;
@@ -242,8 +291,10 @@ impl<'a> Bodied<'a> {
                     masses.extend(self.section_masses(module, below_m, 0.5 * wall_kg));
                 }
                 let spacer_kg = if bay + 1 == count { 0.0 } else { self.plant.modules()[index].spacer_mass_kg };
+                balls.push(Ball { plate: plates.len(), place_m: [0.0; 3], radius_m: rest_radius_m(module) });
                 plates.push(Plate { masses: self.section_masses(module, 0.0, 0.5 * wall_kg + spacer_kg) });
             }
+            balls.extend(self.rigid_balls(module, index, plates.len() - 1));
             rigid_m = module.rigid_length_m() + seats.length_m();
             if let Some(plate) = plates.last_mut() {
                 plate.masses.extend(self.rigid_masses(module, index));
@@ -251,7 +302,27 @@ impl<'a> Bodied<'a> {
         }
         self.highest_pa = highest_pa;
         let gravity = if self.has_weight() { -GRAVITY_M_PER_S2 } else { 0.0 };
-        Ok(Body::new(&base, bays, plates, [0.0, 0.0, rigid_m], [0.0, 0.0, gravity]))
+        let mut body = Body::new(&base, bays, plates, [0.0, 0.0, rigid_m], [0.0, 0.0, gravity]);
+        if contact {
+            let solid = |obstacle: &softlimb_scene::Obstacle| -> Arc<dyn Solid> {
+                Arc::new(Obstacle(obstacle.shape.clone()))
+            };
+            body.surround(self.plant.obstacles().iter().map(solid).collect(), balls);
+        }
+        Ok(body)
+    }
+
+    /// Balls along the connector and the tool behind a module, no farther apart than their radius.
+    fn rigid_balls(&self, module: &LimbModule, index: usize, plate: usize) -> Vec<Ball> {
+        let [connector_m, tool_m] = module.rigid_parts_m();
+        let along = |from_m: f64, length_m: f64, radius_m: f64| {
+            let count = if length_m > 0.0 { (length_m / radius_m.max(LEAST_BALL_M)).ceil() as usize } else { 0 };
+            let place_m = move |step: usize| [0.0, 0.0, from_m + length_m * step as f64 / count as f64];
+            (1..=count).map(move |step| Ball { plate, place_m: place_m(step), radius_m })
+        };
+        let tool_radius_m = self.plant.limb().end_effector.as_ref().map_or(0.0, |tool| tool.radius_m);
+        let tool_m = if index + 1 == self.limb.modules().len() { tool_m } else { 0.0 };
+        along(0.0, connector_m, rest_radius_m(module)).chain(along(connector_m, tool_m, tool_radius_m)).collect()
     }
 
     /// Mass of a module's true walls, kg.
@@ -272,7 +343,7 @@ impl<'a> Bodied<'a> {
         let solid = |middle_m: f64, kg: f64, length_m: f64, radius_m: f64| {
             if self.effects.swing { cylinder(middle_m, kg, length_m, radius_m) } else { vec![on_axis(middle_m, kg)] }
         };
-        let radius_m = module.radius_m(&module.curve.states()[0]);
+        let radius_m = rest_radius_m(module);
         let mut masses = solid(0.5 * connector_m, limb.connector_mass_kg, connector_m, radius_m);
         if let Some(tool) = limb.end_effector.as_ref().filter(|_| index + 1 == self.limb.modules().len()) {
             masses.extend(solid(connector_m + 0.5 * tool_m, tool.mass_kg, tool_m, tool.radius_m));
@@ -306,7 +377,7 @@ impl<'a> Bodied<'a> {
         let (mut values, mut rigid_m, mut bay) = (Vec::new(), 0.0, 0);
         let pieces = self.limb.modules().iter().map(LimbModule::bays).max().unwrap_or(1);
         for (index, module) in self.limb.modules().iter().enumerate() {
-            let radius_m = module.radius_m(&module.curve.states()[0]);
+            let radius_m = rest_radius_m(module);
             let mut strains: Vec<Vec<TubeStrain>> = Vec::new();
             let mut twist_rad = 0.0;
             for between in 0..module.bays() {
@@ -334,6 +405,11 @@ impl<'a> Bodied<'a> {
         let line_m = std::iter::once(base.translation.vector.into()).chain(ends).collect();
         Hung { tip_m: body.tip_m(), values, line_m, body: solid }
     }
+}
+
+/// Radius of a module without pressure, m.
+fn rest_radius_m(module: &LimbModule) -> f64 {
+    module.radius_m(&module.curve.states()[0])
 }
 
 fn on_axis(height_m: f64, kg: f64) -> Mass {

@@ -200,7 +200,7 @@ impl Listener<'_> {
 
     fn finish(mut self, link: LinkSummary, wall_s: f64) -> Result<Heard, RunError> {
         self.begin(0)?;
-        let end = RunEnd { link, peak_chamber_pa: Vec::new(), wall_s: Some(wall_s), targets: Vec::new() };
+        let end = RunEnd { link, wall_s: Some(wall_s), ..RunEnd::default() };
         self.recorder.map_or(Ok(()), |recorder| recorder.finish(&end))?;
         Ok(self.heard)
     }

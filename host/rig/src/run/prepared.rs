@@ -205,6 +205,7 @@ impl<'a> Prepared<'a> {
             peak_chamber_pa: device.peak_chamber_pa(),
             wall_s: None,
             targets: Vec::new(),
+            contacts: assembler.contacts(),
             incomplete: None,
         })
     }

@@ -134,7 +134,8 @@ pub(super) fn recorded_by<'a, D: Bench, R>(
     let last_s = recording.last_s;
     let wall_s = Some(began.elapsed().as_secs_f64());
     let targets = std::mem::take(&mut recording.targets);
-    let logged = recording.finish(&RunEnd { link, peak_chamber_pa: device.peak_chamber_pa(), wall_s, targets });
+    let (peak_chamber_pa, contacts) = (device.peak_chamber_pa(), recording.assembler.contacts());
+    let logged = recording.finish(&RunEnd { link, peak_chamber_pa, wall_s, targets, contacts });
     match (ended, logged) {
         (Ok(_), Ok(true)) => finish_report(&path),
         (Ok(_), Ok(false)) => Err(RunError::NotRecorded),

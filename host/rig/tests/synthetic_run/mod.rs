@@ -115,7 +115,8 @@ pub(crate) fn run() -> RunLog {
     let met = TargetRecord { name: "lift".into(), time_s: Some(12.54), least_m: Some(4.56e-3), held_s: 0.8 };
     let missed = TargetRecord { name: "place".into(), time_s: None, least_m: None, held_s: 0.0 };
     let (wall_s, targets) = (Some(0.25), vec![met, missed]);
-    RunLog { info, samples, faults, shapes, bodies, link, peak_chamber_pa, wall_s, targets, incomplete: None }
+    let contacts = Vec::new();
+    RunLog { info, samples, faults, shapes, bodies, link, peak_chamber_pa, wall_s, targets, contacts, incomplete: None }
 }
 
 fn stiffer(stretch: f64, rest: f64) -> f64 {

@@ -43,6 +43,8 @@ pub struct BodyEffects {
     pub softening: bool,
     /// Tolerances of tubes, connectors and base.
     pub assembly: bool,
+    /// Obstacles stop the limb and what it carries; `false` without obstacles.
+    pub contact: bool,
     /// Inertia, with the damping of the tubes.
     pub swing: bool,
 }
@@ -50,12 +52,13 @@ pub struct BodyEffects {
 impl TrueLimb {
     /// The limb in the words of a table; `None` for the simple one.
     pub fn label(&self) -> Option<String> {
-        let Self::Body(BodyEffects { hysteresis, creep, softening, assembly, swing }) = *self else { return None };
+        let Self::Body(BodyEffects { hysteresis, creep, softening, assembly, contact, swing }) = *self else { return None };
         let effects = [
             (hysteresis, "hysteresis"),
             (creep, "creep"),
             (softening, "softening"),
             (assembly, "assembly"),
+            (contact, "contact"),
             (swing, "swing"),
         ];
         let words = effects.into_iter().filter_map(|(on, word)| on.then_some(word));

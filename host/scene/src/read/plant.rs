@@ -7,6 +7,7 @@ use crate::reader::Reader;
 use crate::schema;
 
 pub(super) fn plant(root: &Reader<'_>) -> Option<Plant> {
+    let obstacles = root.value(schema::scene::OBSTACLE.name).is_some();
     optional_table(root, &schema::scene::PLANT, &schema::plant::SECTION, |reader| {
         use schema::plant::*;
         let ambient = optional_table(reader, &AMBIENT, &schema::ambient::SECTION, ambient);
@@ -16,7 +17,7 @@ pub(super) fn plant(root: &Reader<'_>) -> Option<Plant> {
         let chamber = optional_table(reader, &CHAMBER, &schema::chamber::SECTION, chamber);
         let sensor = optional_table(reader, &SENSOR, &schema::sensor::SECTION, sensor);
         let spread = optional_table(reader, &SPREAD, &schema::spread::SECTION, spread);
-        let truth = optional_table(reader, &TRUTH, &schema::truth::SECTION, truth);
+        let truth = optional_table(reader, &TRUTH, &schema::truth::SECTION, |reader| truth(reader, obstacles));
         Some(Plant {
             ambient: ambient?,
             supply: supply?,
@@ -119,13 +120,13 @@ fn spread(reader: &Reader<'_>) -> Option<Spread> {
     })
 }
 
-fn truth(reader: &Reader<'_>) -> Option<TrueLimb> {
+fn truth(reader: &Reader<'_>, obstacles: bool) -> Option<TrueLimb> {
     use schema::truth::*;
-    let [hysteresis, creep, softening, assembly, swing] =
-        [HYSTERESIS, CREEP, SOFTENING, ASSEMBLY, SWING].map(|key| reader.flag(&key));
+    let [hysteresis, creep, softening, assembly, contact, swing] =
+        [HYSTERESIS, CREEP, SOFTENING, ASSEMBLY, CONTACT, SWING].map(|key| reader.flag(&key));
     let is_body = *reader.choice(&LIMB, &[false, true])?;
     if !is_body {
-        let of_a_body = [HYSTERESIS.name, CREEP.name, SOFTENING.name, ASSEMBLY.name, SWING.name];
+        let of_a_body = [HYSTERESIS.name, CREEP.name, SOFTENING.name, ASSEMBLY.name, CONTACT.name, SWING.name];
         reader.forbid(&of_a_body, "for the simple limb: `limb = \"body\"` has them")?;
         return Some(TrueLimb::Simple);
     }
@@ -134,6 +135,8 @@ fn truth(reader: &Reader<'_>) -> Option<TrueLimb> {
         creep: creep?,
         softening: softening?,
         assembly: assembly?,
+        // Nothing stops a limb among no obstacles.
+        contact: contact? && obstacles,
         swing: swing?,
     }))
 }
