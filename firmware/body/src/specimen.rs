@@ -10,6 +10,7 @@
 //! | angle of a tube on its plate | as designed | 0.5 deg | assumed: a cast end in a printed seat |
 //! | length of a connector | as designed | 0.3 mm | assumed |
 //! | direction of the base | as designed | 0.3 deg | assumed: a bracket set with a spirit level |
+//! | friction of obstacles | 0.5 | none | assumed: cast silicone or a printed part on a table; in `contact.rs` |
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use softlimb_numerics::Random;

@@ -7,7 +7,7 @@ use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_rig::record::RunLog;
 use softlimb_rig::report;
-use softlimb_rig::run::{Mcu, RunOptions, run};
+use softlimb_rig::run::{Mcu, RunOptions, run, run_on};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
@@ -15,9 +15,14 @@ const ELASTIC: &str = "hysteresis = false\ncreep = false\nsoftening = false\nass
 
 /// A small scene without weight, spread and creep, with a limb.
 fn with(limb: &str) -> Scene {
+    changed(limb, |text| text)
+}
+
+/// The same with a change of its text.
+fn changed(limb: &str, change: impl FnOnce(String) -> String) -> Scene {
     let path = format!("{}/../../scenes/single-bending.toml", env!("CARGO_MANIFEST_DIR"));
     let none = "[plant.spread]\nmodulus = 0\nwall = 0\nfiber_angle = 0\n[plant.chamber]\ncreep_share = 0\n";
-    let text = std::fs::read_to_string(path).unwrap() + "\n" + none + "[plant.truth]\n" + limb;
+    let text = change(std::fs::read_to_string(path).unwrap()) + "\n" + none + "[plant.truth]\n" + limb;
     scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("{}", error.render(false)))
 }
 
@@ -68,6 +73,51 @@ fn elastic_body_of_one_bender_without_weight_is_near_the_free_bender() {
     };
     let apart = apart_m(&weightless("limb = \"simple\"\n"), &weightless(&format!("limb = \"body\"\n{ELASTIC}")));
     assert!(apart < 5e-3, "{apart}");
+}
+
+/// A run of a weightless bender with a softer wall, which bends too far, beside a ball at a place, m, that the plan stays clear of.
+fn overbent(center_m: [f64; 3], truth: &str) -> RunLog {
+    let ball =
+        format!("[[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\ncenter = {center_m:?}\nradius = \"20 mm\"\n");
+    let limb = format!("{truth}limb = \"body\"\n{ELASTIC}{ball}");
+    let (scene, folder) = (with(&limb), tempfile::tempdir().unwrap());
+    let plant = changed(&limb, |text| text.replace("0.223 MPa", "0.19 MPa"));
+    let planned = Limb::new(&scene).unwrap();
+    let plan = motion::plan(&scene, &planned).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let out = folder.path().to_owned();
+    let options = RunOptions { seed: 3, out, mcu: Mcu::Here, link_faults: None, faults: Vec::new() };
+    run_on(&scene, (planned, plan), &plant, &options, &AtomicBool::new(false), |_| ()).unwrap().run
+}
+
+#[test]
+fn ball_in_the_way_of_a_limb_that_bends_too_far_stops_it() {
+    let far = [0.0, 1.0, 0.0];
+    let free = overbent(far, "contact = false\n");
+    let rounding_m = apart_m(&free, &overbent(far, ""));
+    assert!(rounding_m < 1e-12, "a far ball changes nothing: {rounding_m}");
+    assert!(free.contacts.is_empty());
+    // At the end of the last hold.
+    let last = free.samples.iter().rev().find(|sample| sample.time_s < 7.4).unwrap();
+    let [planned, reached] = [last.tip_setpoint_m, last.tip_achieved_m.unwrap()].map(Vector3::from);
+    // On the way from the plan to where the limb bends: the radii of both, and 20 mm clear of the plan.
+    let between_m = 14e-3 + 20e-3 + 20e-3;
+    let ball: [f64; 3] = (planned + (reached - planned).normalize() * between_m).into();
+    let (through, stopped) = (overbent(ball, "contact = false\n"), overbent(ball, ""));
+    let least_m = |log: &RunLog| {
+        let distances = log.bodies.iter().filter_map(|body| Some(body.nearest.as_ref()?.0));
+        distances.fold(f64::INFINITY, f64::min)
+    };
+    assert_eq!([&through, &stopped].map(|log| log.info.truth.as_deref()), [Some("body"), Some("body + contact")]);
+    assert!(through.contacts.is_empty() && least_m(&through) < -20e-3, "{} m", least_m(&through));
+    assert!(least_m(&stopped).abs() < 0.1e-3, "{} m", least_m(&stopped));
+    // The limb moves up to its last goal from 5 to 6.5 s, and holds it to 7.5 s.
+    let [contact] = &stopped.contacts[..] else { panic!("{:?}", stopped.contacts) };
+    assert_eq!(contact.obstacle, "ball");
+    assert!((5.0..6.5).contains(&contact.first_s) && (contact.first_s..7.6).contains(&contact.time_s), "{contact:?}");
+    assert!((0.1..1.0).contains(&contact.force_n), "{contact:?}");
+    let table = report::summary(&stopped).table();
+    assert!(table.contains(&format!("contact  with ball from {:.2} s on, at most", contact.first_s)), "{table}");
+    assert!(report::html(&stopped).contains("An obstacle stopped the limb: contact with ball from"));
 }
 
 /// The limb that hangs, with fast valves and its first move in a second, on an elastic body of its nominal parameters.

@@ -52,9 +52,9 @@ fn scene_on(folder: &Path, name: &str, limb: TrueLimb) -> Result<Scene, Failure>
     let text = softlimb::cli::read(&file)?;
     let truth = match limb {
         TrueLimb::Simple => "limb = \"simple\"\n".to_owned(),
-        TrueLimb::Body(BodyEffects { hysteresis, creep, softening, assembly, swing }) => format!(
+        TrueLimb::Body(BodyEffects { hysteresis, creep, softening, assembly, contact, swing }) => format!(
             "limb = \"body\"\nhysteresis = {hysteresis}\ncreep = {creep}\nsoftening = {softening}\nassembly = {assembly}\n\
-             swing = {swing}\n"
+             contact = {contact}\nswing = {swing}\n"
         ),
     };
     Ok(scene::parse(&format!("{text}\n[plant.truth]\n{truth}"), &file.display().to_string())?)

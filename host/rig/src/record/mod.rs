@@ -29,8 +29,8 @@ pub use drawn::{DrawnLimb, DrawnLink, Pose, Posture};
 pub use error::RecordError;
 pub(crate) use log::quantity_name;
 pub use log::{
-    ChannelSample, ContactRecord, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample,
-    PhaseInfo, RunEnd, RunInfo, RunLog, Sample, Shape, SwingInfo, TargetRecord,
+    ChannelSample, ContactRecord, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, NearestInfo,
+    OutputSample, PhaseInfo, RunEnd, RunInfo, RunLog, Sample, Shape, SwingInfo, TargetRecord,
 };
 pub use reader::read;
 pub use recover::{Recovered, recover};

@@ -154,7 +154,7 @@ pub(super) fn peak(summary: &Summary) -> Option<String> {
 /// An obstacle that stopped the limb.
 pub(super) fn contact(contact: &ContactRecord) -> String {
     let ContactRecord { obstacle, force_n, time_s, first_s } = contact;
-    format!("{obstacle} from {first_s:.2} s, at most {force_n:.1} N at {time_s:.2} s")
+    format!("with {obstacle} from {first_s:.2} s on, at most {force_n:.1} N at {time_s:.2} s")
 }
 
 /// Device states in order, each with the time from which it held.

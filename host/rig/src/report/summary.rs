@@ -1,7 +1,9 @@
 //! The figures of merit of a run.
 
 use super::stats::{ErrorStats, distance};
-use crate::record::{ContactRecord, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, RunInfo, RunLog, Sample};
+use crate::record::{
+    ContactRecord, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, RunInfo, RunLog, Sample,
+};
 use fra_model::StateQuantity;
 use serde::Serialize;
 use std::ops::Range;

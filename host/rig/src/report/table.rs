@@ -29,6 +29,7 @@ impl Summary {
         text.push_str(&aligned(&error_cells(&rows::errors(self)), &[1, 2]));
         text.push('\n');
         text.push_str(&link(self));
+        text.push_str(&contacts(self));
         text.push_str(&injected(self));
         text.push_str(&faults(self));
         text
@@ -61,6 +62,12 @@ fn link(summary: &Summary) -> String {
     }
     text.push('\n');
     text
+}
+
+/// Obstacles that stopped the limb; nothing in a run without.
+fn contacts(summary: &Summary) -> String {
+    let contact = |contact| format!("contact  {}\n", cut(&rows::contact(contact), WIDTH - 9));
+    summary.contacts.iter().map(contact).collect()
 }
 
 /// Faults met on purpose, and the pressure they came to; nothing in a run without.

@@ -77,11 +77,11 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
         before.map(|most_m| format!("Until {until} the tip was at most {} off its setpoint{last}.", mm(most_m)));
     let clearance = clearance_of(log, &outcomes);
     let is_close = clearance.as_ref().is_some_and(|card| card.alarming);
-    let touches = least(&outcomes).is_some_and(|nearest| nearest.distance_m <= 0.0);
-    let touches = touches || !log.contacts.is_empty();
-    let clearance = clearance.map(|card| match touches {
-        true => format!("The limb touched an obstacle: {}.", card.detail),
-        false => format!("Least clearance of the run: {} {}.", card.value, card.detail),
+    let is_deep = least(&outcomes).is_some_and(|nearest| nearest.distance_m <= 0.0);
+    let clearance = clearance.map(|card| match (log.contacts.is_empty(), is_deep) {
+        (false, _) => format!("An obstacle stopped the limb: contact {}.", card.detail),
+        (true, true) => format!("The limb touched an obstacle: {}.", card.detail),
+        (true, false) => format!("Least clearance of the run: {} {}.", card.value, card.detail),
     });
     let first = summary.faults.first().map(rows::fault);
     let faults = first.map(|first| match summary.faults.len() {
@@ -266,7 +266,7 @@ fn clearance_of(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
     let beside = beside.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(", ");
     let beside = if beside.is_empty() { beside } else { format!("; {beside}") };
     let place = format!("{} at {:.2} s", seen.obstacle, seen.time_s);
-    // A limb that obstacles stop is a surface's give deep in them.
+    // Obstacles stop such a limb: it is no deeper in them than their surface gives.
     let pressed = log.contacts.iter().max_by(|a, b| a.force_n.total_cmp(&b.force_n));
     let (value, detail) = match (pressed, seen.distance_m <= 0.0) {
         (Some(pressed), _) => ("contact".to_owned(), format!("{}{beside}", rows::contact(pressed))),

@@ -12,8 +12,8 @@ use super::reference::Reference;
 use super::solid;
 use crate::link::{DeviceFault, LinkStatistics};
 use crate::record::{
-    Body, ChannelSample, ContactRecord, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample, PhaseInfo,
-    Posture, RunInfo, Sample, SampleRow, Shape,
+    Body, ChannelSample, ContactRecord, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample,
+    PhaseInfo, Posture, RunInfo, Sample, SampleRow, Shape,
 };
 use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Chain, Drive, Limb, LimbModule};

@@ -182,7 +182,11 @@ impl<'a> Bodied<'a> {
         }
     }
 
-    fn settled(&mut self, (time_us, payload_kg, object): (u64, f64, Option<usize>), truth: &Truth) -> Result<(), String> {
+    fn settled(
+        &mut self,
+        (time_us, payload_kg, object): (u64, f64, Option<usize>),
+        truth: &Truth,
+    ) -> Result<(), String> {
         let begins = self.body.is_none();
         let (mut body, span_s, rests) = match self.body.take() {
             Some(body) => (body, time_us.saturating_sub(self.last_us) as f64 * 1e-6, !self.effects.swing),
@@ -304,9 +308,8 @@ impl<'a> Bodied<'a> {
         let gravity = if self.has_weight() { -GRAVITY_M_PER_S2 } else { 0.0 };
         let mut body = Body::new(&base, bays, plates, [0.0, 0.0, rigid_m], [0.0, 0.0, gravity]);
         if contact {
-            let solid = |obstacle: &softlimb_scene::Obstacle| -> Arc<dyn Solid> {
-                Arc::new(Obstacle(obstacle.shape.clone()))
-            };
+            let solid =
+                |obstacle: &softlimb_scene::Obstacle| -> Arc<dyn Solid> { Arc::new(Obstacle(obstacle.shape.clone())) };
             body.surround(self.plant.obstacles().iter().map(solid).collect(), balls);
         }
         Ok(body)

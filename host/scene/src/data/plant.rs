@@ -52,7 +52,9 @@ pub struct BodyEffects {
 impl TrueLimb {
     /// The limb in the words of a table; `None` for the simple one.
     pub fn label(&self) -> Option<String> {
-        let Self::Body(BodyEffects { hysteresis, creep, softening, assembly, contact, swing }) = *self else { return None };
+        let Self::Body(BodyEffects { hysteresis, creep, softening, assembly, contact, swing }) = *self else {
+            return None;
+        };
         let effects = [
             (hysteresis, "hysteresis"),
             (creep, "creep"),
