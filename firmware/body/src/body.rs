@@ -243,10 +243,8 @@ impl Body {
             for (node, step) in self.nodes.iter_mut().zip(&steps) {
                 *node = node.moved(&(step * scale));
             }
-            if longest < SETTLED {
-                if !self.contacts.release(Shape { nodes: &self.nodes, tip, inertia }) {
-                    return matrix.is_positive();
-                }
+            if longest < SETTLED && !self.contacts.release(Shape { nodes: &self.nodes, tip, inertia }) {
+                return matrix.is_positive();
             }
         }
         false
