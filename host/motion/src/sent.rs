@@ -71,6 +71,13 @@ impl Sent {
         self.track.values_at(time_us)
     }
 
+    /// Wire values per channel at a time with an addition to each setpoint; they end where the range of a module ends.
+    pub fn corrected_at(&self, limb: &Limb, time_us: f64, added: &[f64]) -> Vec<i32> {
+        let owners = limb.channel_values(&owners(limb));
+        let setpoints = self.values_at(time_us).into_iter().zip(added).zip(owners);
+        setpoints.map(|((value, added), owner)| within(&limb.modules()[owner], value + added)).collect()
+    }
+
     /// States that the model gives for the setpoints at a time, one a channel.
     pub fn states_at(&self, time_us: f64) -> Vec<State<f64>> {
         self.track.states_at(time_us)
@@ -109,7 +116,11 @@ impl Sent {
 }
 
 fn corrected(module: &LimbModule, wire: i32, added: f64) -> i32 {
+    within(module, from_wire(module.kind, wire) + added)
+}
+
+/// Wire value of a setpoint, within the range of its module.
+fn within(module: &LimbModule, value: f64) -> i32 {
     let (rest, last) = module.range();
-    let value = from_wire(module.kind, wire) + added;
     to_wire(module.kind, value.clamp(rest.min(last), rest.max(last)))
 }

@@ -7,7 +7,9 @@
 //! This crate must not parse scenes, plan motion, or print.
 
 pub mod calibrate;
+mod camera;
 mod configuration;
+mod correction;
 pub mod export;
 pub mod learning;
 pub mod link;

@@ -147,3 +147,20 @@ fn a_scene_that_cannot_be_run_says_so() {
     let error = learn(&scene, &settings(&scene, 0, 1)).unwrap_err();
     assert!(matches!(error, LearningError::Run(RunError::Scene(_))), "{error}");
 }
+
+#[test]
+fn learner_follows_the_calibration_error_of_its_camera() {
+    let text = include_str!("../../../scenes/loaded/carry-hanging.toml");
+    let camera = |offset: &str| format!("{text}\n[camera]\noffset = {offset}\ndrop_outs = \"20 %\"\n");
+    let learned = |offset: &str| {
+        let scene = read(&camera(offset));
+        let found = learn(&scene, &settings(&scene, 3, 1)).unwrap();
+        let errors: Vec<_> = found.corrected.targets.iter().map(|target| target.errors_m[0]).collect();
+        (errors, *found.observed_m.last().unwrap())
+    };
+    let ((right, _), (wrong, seen_m)) = (learned("0"), learned("\"3 mm\""));
+    let shifts: Vec<_> = right.iter().zip(&wrong).map(|(right, wrong)| wrong - right).collect();
+    // The camera sees the goals hit, and the true tip is off by the same at all of them.
+    assert!(seen_m < 1e-3, "{seen_m}");
+    assert!(shifts.iter().all(|shift| shift.norm() > 2e-3 && (shift - shifts[0]).norm() < 0.5e-3), "{shifts:?}");
+}

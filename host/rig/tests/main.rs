@@ -2,6 +2,7 @@
 
 mod body;
 mod calibrate;
+mod feedback;
 mod jog;
 mod learning;
 mod link_commissioning;

@@ -9,8 +9,7 @@ const ROW: f64 = 34.0;
 /// Width of a chart with its frame, px.
 const ROOM: f64 = 800.0;
 
-const CAPTION: &str =
-    "Tip error at the dwells, RMS: by the model, and after learning. Each effect of the body alone, and all.";
+const CAPTION: &str = "Tip error at the dwells, RMS: by the model, after learning, and with feedback within the run. Each effect of the body alone, and all.";
 
 /// A chart for each scene as a document that stands by itself.
 pub(super) fn picture(rows: &[Row]) -> String {
@@ -33,6 +32,12 @@ fn chart(rows: &[Row]) -> Chart {
             color: Color::Second,
             stroke: Stroke::Squares,
             points: points(|row| row.by_model),
+        },
+        Series {
+            label: "with feedback".into(),
+            color: Color::Third,
+            stroke: Stroke::Crosses,
+            points: points(|row| row.feedback),
         },
         Series {
             label: "after learning".into(),
@@ -77,6 +82,7 @@ mod tests {
             limb: limb.into(),
             by_model: Some([40e-3, 0.0, 0.0]),
             learned,
+            feedback: Some([2e-3, 0.0, 0.0]),
         };
         let svg = picture(&[row("simple", Some([0.4e-3, 0.0, 0.0])), row("body + creep", None)]);
         assert_eq!(

@@ -8,9 +8,10 @@ pub(crate) const PLACE: [&str; 2] = ["<!-- written by cargo xtask lab truth -->"
 /// The table in Markdown, without its lines.
 pub(crate) fn heading(iterations: u32) -> String {
     format!(
-        "\nTip error, mm, on the simulated limb of the scene's seed, before and after {iterations} iterations of learning:\n\n\
-         | scene | simulated limb | RMSE at dwells | max at dwells | RMSE, whole way | learned: RMSE at dwells | max at dwells | RMSE, whole way |\n\
-         | --- | --- | --: | --: | --: | --: | --: | --: |"
+        "\nTip error, mm, on the simulated limb of the scene's seed, before and after {iterations} iterations of learning, and with feedback \
+         within the run in place of learning:\n\n\
+         | scene | simulated limb | RMSE at dwells | max at dwells | RMSE, whole way | learned: RMSE at dwells | max at dwells | RMSE, whole way | feedback: RMSE at dwells | max at dwells | RMSE, whole way |\n\
+         | --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: |"
     )
 }
 
@@ -20,7 +21,8 @@ pub(crate) fn line(row: &Row) -> String {
         let found = figures.map(|found| found.map(|m| format!("{:.2}", 1e3 * m)));
         found.unwrap_or(["falls".to_owned(), "-".to_owned(), "-".to_owned()]).join(" | ")
     };
-    format!("| {} | {} | {} | {} |", row.scene, row.limb, cells(row.by_model), cells(row.learned))
+    let [by_model, learned, feedback] = [row.by_model, row.learned, row.feedback].map(cells);
+    format!("| {} | {} | {by_model} | {learned} | {feedback} |", row.scene, row.limb)
 }
 
 /// The rows of a table, as it has them: rounded.
@@ -31,13 +33,14 @@ pub(crate) fn rows(text: &str) -> Vec<Row> {
     };
     let row = |line: &str| {
         let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
-        let [scene, limb, by_model @ .., _, _, _] = &cells[..] else { return None };
-        let is_row = cells.len() == 8 && *scene != "scene" && !scene.starts_with("---");
+        let [scene, limb, errors @ ..] = &cells[..] else { return None };
+        let is_row = errors.len() == 9 && *scene != "scene" && !scene.starts_with("---");
         is_row.then(|| Row {
             scene: (*scene).to_owned(),
             limb: (*limb).to_owned(),
-            by_model: figures(by_model),
-            learned: figures(&cells[5..]),
+            by_model: figures(&errors[..3]),
+            learned: figures(&errors[3..6]),
+            feedback: figures(&errors[6..]),
         })
     };
     text.lines().filter(|line| line.starts_with('|')).filter_map(row).collect()
@@ -55,9 +58,11 @@ mod tests {
             limb: "body + creep".into(),
             by_model: Some([1.5e-3, 2e-3, 0.25e-3]),
             learned: None,
+            feedback: Some([0.5e-3, 1e-3, 4e-3]),
         };
         let read = rows(&format!("{}\n{}", heading(3), line(&row)));
         assert_eq!((read.len(), line(&read[0]), read[0].learned), (1, line(&row), None));
+        assert!(line(&row).ends_with("| falls | - | - | 0.50 | 1.00 | 4.00 |"), "{}", line(&row));
     }
 
     /// `SOFTLIMB_WRITE_TRUTH=1 cargo test -p softlimb-lab --lib truth` writes the picture anew from the table of the page.

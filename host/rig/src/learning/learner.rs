@@ -12,14 +12,14 @@
 
 use std::ops::Range;
 
-use fra_model::Motion;
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::Vector3;
 
-use super::camera::Camera;
 use super::score::{SETTLING_S, errors_m, pause_s};
+use crate::camera::Camera;
+use crate::correction::{columns, groups, step};
 use crate::record::Sample;
 use crate::run::Prepared;
-use softlimb_limb::{Drive, Limb};
+use softlimb_limb::Limb;
 use softlimb_motion::{Plan, planned_slopes, vibrations};
 use softlimb_scene::{Corrections, SceneError};
 
@@ -27,8 +27,6 @@ use softlimb_scene::{Corrections, SceneError};
 /// vibration.
 const MOVING_S: f64 = 0.1;
 const RESTING_S: f64 = 0.5;
-/// Least damping, m: below the camera's resolution.
-const DAMPING_M: f64 = 0.1e-3;
 /// Iterations with a gain of one.
 const FULL: u32 = 2;
 /// Growth of the observed error over its least that noise does not explain.
@@ -65,11 +63,11 @@ struct Best {
 }
 
 impl<'a> Learner<'a> {
-    /// Without corrections. `camera_noise_m` as in [`Settings`](super::Settings).
+    /// Without corrections.
     ///
     /// # Errors
     /// A diagnostic at the phase in which the limb falls.
-    pub(super) fn new(model: &'a Prepared<'_>, camera_noise_m: f64, seed: u64) -> Result<Self, SceneError> {
+    pub(super) fn new(model: &'a Prepared<'_>, camera: Camera) -> Result<Self, SceneError> {
         let (limb, plan) = (model.limb(), model.plan());
         let groups = groups(limb, plan.weighed().is_some());
         let vibrations = vibrations(model.scene(), limb, plan)?;
@@ -79,7 +77,6 @@ impl<'a> Learner<'a> {
         let columns = |time_s: &f64| columns(limb, &groups, &planned_slopes(model.scene(), limb, plan, 1e6 * time_s));
         let columns = times_s.iter().map(columns).collect();
         let corrections = Corrections { times_s, rows };
-        let camera = Camera::new(camera_noise_m, seed);
         Ok(Self { limb, plan, corrections, resting, groups, columns, iterations: 0, best: None, caution: 1.0, camera })
     }
 
@@ -97,8 +94,9 @@ impl<'a> Learner<'a> {
         self.iterations += 1;
         let end_s = self.plan.duration_us() as f64 * 1e-6;
         let errors = errors_m(samples, end_s);
-        let observations: Vec<(f64, Vector3<f64>)> =
-            errors.map(|(time_s, error)| (time_s, error + self.camera.noise_m())).collect();
+        self.camera.restart();
+        let seen = errors.filter_map(|(time_s, error)| Some((time_s, self.camera.image(time_s, &error)?)));
+        let observations: Vec<(f64, Vector3<f64>)> = seen.collect();
         let rests: Vec<_> = self.plan.phases.iter().map(pause_s).collect();
         let is_rest = |time_s: f64| rests.iter().any(|(begin, end)| time_s > begin + SETTLING_S && time_s <= *end);
         let seen = observations.iter().filter(|(time_s, _)| is_rest(*time_s)).map(|(_, error)| error.norm_squared());
@@ -174,16 +172,6 @@ impl<'a> Learner<'a> {
     }
 }
 
-/// Channels that are corrected alike, with their drive: single ones of extending actuators under weight, else those of a drive.
-fn groups(limb: &Limb, weighed: bool) -> Vec<(usize, Range<usize>)> {
-    let of_drive = |(index, drive): (usize, Drive<'_>)| {
-        let channels = drive.channels.clone();
-        let width = if weighed && drive.motion == Motion::Extension { 1 } else { channels.len() };
-        channels.step_by(width).map(move |at| (index, at..at + width))
-    };
-    limb.drives().enumerate().flat_map(of_drive).collect()
-}
-
 /// The solution of equations whose matrix has `own` on its diagonal and `with_next` beside it; positive semidefinite. `None` where the diagonal
 /// has nothing left.
 fn solved(mut own: Vec<f64>, with_next: &[f64], mut right: Vec<Vector3<f64>>) -> Vec<Option<Vector3<f64>>> {
@@ -203,58 +191,6 @@ fn solved(mut own: Vec<f64>, with_next: &[f64], mut right: Vec<Vector3<f64>>) ->
         found[index] = Some((right[index] - next * with_next[index]) / own[index]);
     }
     found
-}
-
-/// Motion of the tip, m, with the whole range of each group, by its slopes and those of the setpoints with single actuators' pressures.
-fn columns(limb: &Limb, groups: &[(usize, Range<usize>)], slopes: &[(Vector3<f64>, f64)]) -> Vec<Vector3<f64>> {
-    let column = |(drive, channels): &(usize, Range<usize>)| {
-        let (rest, last) = limb.drive(*drive).range();
-        let own = &slopes[channels.clone()];
-        let slope = own[0].1;
-        if slope == 0.0 {
-            return Vector3::zeros();
-        }
-        own.iter().map(|(velocity, _)| velocity).sum::<Vector3<f64>>() * ((last - rest).abs() / slope)
-    };
-    groups.iter().map(column).collect()
-}
-
-/// The change of the setpoints, as shares of their ranges, that takes an error of the tip away, m; within what is left of each. A group
-/// at the end of what is left stays there, and the others do what they can.
-fn step(columns: &[Vector3<f64>], left: &[[f64; 2]], error: &Vector3<f64>) -> Vec<f64> {
-    let mut shares = vec![None; columns.len()];
-    loop {
-        let done = columns.iter().zip(&shares).filter_map(|(column, share)| Some(column * share.as_ref().copied()?));
-        let wanted = -error - done.sum::<Vector3<f64>>();
-        let free: Vec<usize> = (0..columns.len()).filter(|group| shares[*group].is_none()).collect();
-        if free.is_empty() {
-            return shares.into_iter().map(Option::unwrap_or_default).collect();
-        }
-        let found = damped(&free.iter().map(|group| columns[*group]).collect::<Vec<_>>(), &wanted);
-        let beyond = free.iter().zip(&found).filter_map(|(group, share)| {
-            let [low, high] = left[*group];
-            (*share < low || *share > high).then(|| (*group, share.clamp(low, high)))
-        });
-        let ended: Vec<(usize, f64)> = beyond.collect();
-        let settled = if ended.is_empty() { free.into_iter().zip(found).collect() } else { ended };
-        settled.into_iter().for_each(|(group, share)| shares[group] = Some(share));
-    }
-}
-
-/// The shares whose sum of columns is `wanted`, m, as nearly as what hardly moves the tip is left alone.
-fn damped(columns: &[Vector3<f64>], wanted: &Vector3<f64>) -> Vec<f64> {
-    let count = columns.len();
-    let mut matrix = DMatrix::zeros(3 + count, count);
-    let damping = wanted.norm().max(DAMPING_M);
-    for (index, column) in columns.iter().enumerate() {
-        matrix.fixed_view_mut::<3, 1>(0, index).copy_from(column);
-        matrix[(3 + index, index)] = damping;
-    }
-    let mut right = DVector::zeros(3 + count);
-    right.fixed_rows_mut::<3>(0).copy_from(wanted);
-    // Of full rank by its lower half.
-    let shares = matrix.svd(true, true).solve(&right, 0.0);
-    shares.map_or_else(|_| vec![0.0; count], |shares| shares.iter().copied().collect())
 }
 
 /// Instants of the corrections, s, rising, from the start to the end of the last phase, two at least; and whether the limb rests there.
@@ -289,22 +225,6 @@ mod tests {
     use softlimb_scene as scene;
     use softlimb_scene::Scene;
 
-    const FREE: [f64; 2] = [-1.0, 1.0];
-
-    #[test]
-    fn error_is_taken_away_by_who_can() {
-        let (across, up) = (Vector3::x() * 0.1, Vector3::z() * 0.2);
-        let error = Vector3::new(1e-3, 0.0, -2e-3);
-        let found = step(&[across, up], &[FREE, FREE], &error);
-        // Of 0.1 and 0.2 m by a whole range; damping by the error takes 0.05 % of the first and less of the second.
-        assert!((found[0] + 0.01).abs() < 1e-5 && (found[1] - 0.01).abs() < 1e-5, "{found:?}");
-        let ended = step(&[across, across, up], &[[0.0, 1.0], FREE, FREE], &error);
-        assert_eq!(ended[0], 0.0, "it has nothing left that way");
-        assert!((ended[1] + 0.01).abs() < 1e-5 && (ended[2] - 0.01).abs() < 1e-5, "{ended:?}");
-        assert_eq!(step(&[across], &[[0.0, 0.0]], &error), [0.0]);
-        assert_eq!(step(&[Vector3::zeros()], &[FREE], &Vector3::zeros()), [0.0]);
-    }
-
     fn scene() -> Scene {
         scene::parse(include_str!("../../../../scenes/single-bending.toml"), "scene.toml").unwrap()
     }
@@ -313,7 +233,7 @@ mod tests {
     fn straight_lines_between_the_instants_of_a_pause_are_found_as_they_are() {
         let scene = scene();
         let model = Prepared::by_model(&scene).unwrap();
-        let learner = Learner::new(&model, 0.0, 1).unwrap();
+        let learner = Learner::new(&model, Camera::learning(&scene, 0.0, (1, 1))).unwrap();
         let times = &learner.corrections().times_s;
         // Up and down from instant to instant in pauses, which a mean around each would flatten; in moves something else.
         let height = |index: usize| if index.is_multiple_of(2) { 1e-3 } else { -2e-3 };

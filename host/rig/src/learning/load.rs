@@ -5,7 +5,7 @@
 
 use nalgebra::Vector3;
 
-use super::camera::{ends_s, mean, tips_m};
+use super::observe::{ends_s, mean, tips_m};
 use super::{Distances, LearningError, Settings, iterate, samples};
 use crate::run::{Prepared, RunError};
 use softlimb_scene::Scene;

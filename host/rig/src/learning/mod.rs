@@ -7,20 +7,21 @@
 //! [`learn`] evaluates a scene before and after learning, [`under_load`] evaluates it with a load on the tip, and [`observe`] gives the
 //! camera's observations without and with a load, for payload estimation.
 
-mod camera;
 mod learner;
 mod load;
+mod observe;
 mod score;
 
 use std::num::NonZero;
 
+use crate::camera::Camera;
 use crate::record::Sample;
 use crate::run::{Prepared, RunError};
 use softlimb_scene::{Corrections, Scene};
 
-pub use camera::observe;
 use learner::Learner;
 pub use load::{Tracking, UnderLoad, under_load};
+pub use observe::observe;
 pub use score::{Distances, Score, TargetScore};
 
 /// Settings of a learning experiment.
@@ -34,7 +35,8 @@ pub struct Settings {
     pub iterations: u32,
     /// Runs of each evaluation.
     pub runs: NonZero<u32>,
-    /// Standard deviation of each coordinate in one observation of the camera, m; >= 0. It observes whenever the device reports.
+    /// Standard deviation of each coordinate in one observation of the camera, m; >= 0. The scene's `[camera]` states the rest; without it the camera
+    /// observes whenever the device reports.
     pub camera_noise_m: f64,
 }
 
@@ -89,6 +91,18 @@ pub fn learn(scene: &Scene, settings: &Settings) -> Result<Outcome, LearningErro
     Ok(Outcome { by_model, corrected, corrections: learner.into_corrections(), observed_m, inverse_m })
 }
 
+/// Evaluates a scene as `run` runs it: with its own corrections, and with feedback if it has any.
+///
+/// # Errors
+/// As [`learn`].
+pub fn evaluate_as_is(scene: &Scene, settings: &Settings) -> Result<Score, LearningError> {
+    let prepared = Prepared::of(scene)?;
+    if !score::is_evaluated(prepared.plan()) {
+        return Err(LearningError::NoTarget);
+    }
+    evaluate(&prepared, settings, &mut (1..).map(|run| settings.noise.wrapping_add(run)))
+}
+
 /// Learns from as many runs as the settings have iterations, with noise of these seeds. The run with the last corrections comes with the
 /// observed errors.
 fn iterate<'a, 's>(
@@ -96,7 +110,8 @@ fn iterate<'a, 's>(
     settings: &Settings,
     noises: &mut impl Iterator<Item = u64>,
 ) -> Result<(Learner<'a>, Prepared<'s>, Vec<f64>), LearningError> {
-    let learner = Learner::new(model, settings.camera_noise_m, settings.noise);
+    let learner =
+        Learner::new(model, Camera::learning(model.scene(), settings.camera_noise_m, (settings.noise, settings.limb)));
     let mut learner = learner.map_err(RunError::from)?;
     let mut corrected = model.corrected(learner.corrections())?;
     let mut observed_m = Vec::new();

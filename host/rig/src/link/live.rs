@@ -19,6 +19,8 @@ use super::transport::Transport;
 const LEAD_US: u64 = 120_000;
 /// Time between two knots, us.
 const PERIOD_US: u64 = 20_000;
+/// Time for which the first setpoints of a pilot hold, us.
+pub(crate) const START_US: u64 = LEAD_US + PERIOD_US;
 /// Longest time between two looks at the pilot, us.
 const LOOK_US: u64 = 1_000;
 /// Longest time until the host learns that a device without knots holds, us: more than the lead and the delay of the message.

@@ -42,6 +42,7 @@ pub use error::{LinkError, VentOutcome};
 pub use event::Event;
 pub use fault::DeviceFault;
 pub use listen::{Examined, clear_faults, examine, identify, listen, request_samples};
+pub(crate) use live::START_US;
 pub use live::{Pilot, Wish, live};
 pub use log::{DeviceLog, LoggedStart, StartCause, condition_in_words, read_log};
 pub use options::StreamOptions;

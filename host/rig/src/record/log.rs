@@ -136,6 +136,9 @@ pub struct RunInfo {
     /// The simulated limb in words; `None` where it is the planner's with perturbed parameters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<String>,
+    /// Whether a camera's images corrected the setpoints.
+    #[serde(default)]
+    pub feedback: bool,
     /// Faults that a simulated run meets on purpose.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub injected_faults: Vec<InjectedFault>,

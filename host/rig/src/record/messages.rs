@@ -71,6 +71,12 @@ pub(super) const FAULT: MessageType =
 /// `/softlimb/outputs`.
 pub(super) const OUTPUTS: MessageType =
     MessageType::new("softlimb_msgs/msg/Outputs", include_str!("msg/Outputs.msg"), &[HEADER, TIME]);
+/// `/softlimb/camera`.
+pub(super) const POINT_STAMPED: MessageType = MessageType::new(
+    "geometry_msgs/msg/PointStamped",
+    "std_msgs/Header header\ngeometry_msgs/Point point\n",
+    &[HEADER, TIME, POINT],
+);
 /// `/softlimb/shape`.
 pub(super) const SHAPE: MessageType =
     MessageType::new("softlimb_msgs/msg/Shape", include_str!("msg/Shape.msg"), &[HEADER, TIME, POINT]);
@@ -252,6 +258,13 @@ pub(super) fn encode_fault(unix_ns: u64, fault: &FaultRecord) -> Vec<u8> {
 pub(super) fn decode_fault(message: &[u8]) -> Result<FaultRecord, CdrError> {
     let mut cdr = open(message)?;
     Ok(FaultRecord { time_s: cdr.f64()?, channel: cdr.u8()?, code: cdr.u8()?, value: cdr.i32()?, text: cdr.string()? })
+}
+
+/// Encodes a position.
+pub(super) fn encode_point(unix_ns: u64, position_m: [f64; 3]) -> Vec<u8> {
+    let mut cdr = begin(unix_ns);
+    cdr.point(position_m);
+    cdr.into_bytes()
 }
 
 /// Encodes a backbone.

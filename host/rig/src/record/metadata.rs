@@ -11,6 +11,8 @@ use std::str::FromStr;
 const INJECTED: &str = "injected_faults";
 /// Key of the simulated limb.
 const TRUTH: &str = "true_limb";
+/// Key of feedback by a camera.
+const FEEDBACK: &str = "feedback";
 /// Key of the highest true pressures.
 const PEAKS: &str = "peak_chamber_pa";
 const TARGETS: &str = "targets";
@@ -41,6 +43,9 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
     }
     if let Some(truth) = &info.truth {
         metadata.insert(TRUTH.into(), truth.clone());
+    }
+    if info.feedback {
+        metadata.insert(FEEDBACK.into(), true.to_string());
     }
     if !info.injected_faults.is_empty() {
         metadata.insert(INJECTED.into(), to_json(&info.injected_faults));
@@ -110,6 +115,7 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
         injected_faults: if run.contains_key(INJECTED) { fields.json(INJECTED)? } else { Vec::new() },
         weightless: run.contains_key(WEIGHTLESS) && fields.parse(WEIGHTLESS)?,
         truth: run.get(TRUTH).cloned(),
+        feedback: run.contains_key(FEEDBACK) && fields.parse(FEEDBACK)?,
     };
     check_modules(&info)?;
     Ok(info)

@@ -60,6 +60,7 @@ const FAULT_TOPIC: &str = "/softlimb/fault";
 const OUTPUTS_TOPIC: &str = "/softlimb/outputs";
 const WIRE_TOPIC: &str = "/softlimb/wire";
 const SAMPLES_TOPIC: &str = "/softlimb/samples";
+const CAMERA_TOPIC: &str = "/softlimb/camera";
 const TICKS_TOPIC: &str = "/softlimb/ticks";
 const SHAPE_TOPIC: &str = "/softlimb/shape";
 const BODY_TOPIC: &str = "/softlimb/body";

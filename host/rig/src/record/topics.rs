@@ -1,7 +1,9 @@
 //! The topics of a log, declared once when it is opened.
 
 use super::RunInfo;
-use super::messages::{BODY, DEFORMATION, FAULT, MessageType, OUTPUTS, SAMPLES, SHAPE, TELEMETRY, TICKS, TRUTH, WIRE};
+use super::messages::{
+    BODY, DEFORMATION, FAULT, MessageType, OUTPUTS, POINT_STAMPED, SAMPLES, SHAPE, TELEMETRY, TICKS, TRUTH, WIRE,
+};
 use super::standard::{FLUID_PRESSURE, JOINT_STATE, pressure_topic};
 use std::collections::BTreeMap;
 
@@ -19,6 +21,8 @@ pub(super) struct Topics {
     pub(super) ticks: Option<u16>,
     /// Topic of samples; `None` before the first: only a host that requests them gets any.
     pub(super) samples: Option<u16>,
+    /// Topic of images; `None` before the first: only scenes with a camera have any.
+    pub(super) camera: Option<u16>,
     /// One per pressure channel.
     pub(super) pressure: Vec<u16>,
     /// Setpoint, modelled.
@@ -56,6 +60,11 @@ pub(super) fn declare_samples<W: std::io::Write + std::io::Seek>(mcap: &mut mcap
     declare(mcap, super::SAMPLES_TOPIC, SAMPLES)
 }
 
+/// Declares the topic of images.
+pub(super) fn declare_camera<W: std::io::Write + std::io::Seek>(mcap: &mut mcap::Writer<W>) -> mcap::McapResult<u16> {
+    declare(mcap, super::CAMERA_TOPIC, POINT_STAMPED)
+}
+
 fn declare<W: std::io::Write + std::io::Seek>(
     mcap: &mut mcap::Writer<W>,
     topic: &str,
@@ -84,6 +93,7 @@ impl Topics {
             wire: declare(super::WIRE_TOPIC, WIRE)?,
             ticks: None,
             samples: None,
+            camera: None,
             pressure: (0..info.channel_count())
                 .map(|channel| declare(&pressure_topic(channel), FLUID_PRESSURE))
                 .collect::<Result<_, _>>()?,

@@ -3,13 +3,13 @@
 use super::background::{Background, LogFile};
 use super::container::{options, partial_path, write_opening};
 use super::messages::{
-    Truth, encode_body, encode_deformation, encode_fault, encode_outputs, encode_shape, encode_telemetry,
+    Truth, encode_body, encode_deformation, encode_fault, encode_outputs, encode_point, encode_shape, encode_telemetry,
 };
 use super::metadata::{check_modules, end_metadata};
 use super::samples::encode_samples;
 use super::standard::{RATE_HZ, encode_fluid_pressure, encode_joint_state};
 use super::ticks::{encode_ticks, first_row};
-use super::topics::{Observed, Topics, declare_samples, declare_ticks};
+use super::topics::{Observed, Topics, declare_camera, declare_samples, declare_ticks};
 use super::viewer::Viewer;
 use super::wire::encode_wire;
 use super::{
@@ -240,6 +240,22 @@ impl Recorder {
         self.topics.samples = Some(topic);
         let at = self.stamp(row.time_s);
         self.write_other(topic, at, &encode_samples(at, row))
+    }
+
+    /// Appends the position of the tip in a camera's image of a time of the run, s.
+    ///
+    /// # Errors
+    /// [`RecordError::File`] when the disk refuses.
+    pub fn image(&mut self, time_s: f64, tip_m: [f64; 3]) -> Result<(), RecordError> {
+        let topic = match self.topics.camera {
+            Some(topic) => topic,
+            None => {
+                declare_camera(&mut self.mcap).map_err(RecordError::written("declaring the topics", &self.partial))?
+            }
+        };
+        self.topics.camera = Some(topic);
+        let at = self.stamp(time_s);
+        self.write_other(topic, at, &encode_point(at, tip_m))
     }
 
     /// Appends control ticks of a simulated or emulated device.

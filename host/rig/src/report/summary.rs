@@ -23,6 +23,8 @@ pub struct Summary {
     /// The simulated limb in words; absent where it is the planner's with perturbed parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth: Option<String>,
+    /// Whether a camera's images corrected the setpoints.
+    pub feedback: bool,
     /// Seed of everything random in a simulated run; absent on a device.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
@@ -167,6 +169,7 @@ pub fn summary(log: &RunLog) -> Summary {
         simulated: log.info.simulated,
         weightless: log.info.weightless,
         truth: log.info.truth.clone(),
+        feedback: log.info.feedback,
         seed: log.info.seed,
         duration_s,
         samples: log.samples.len(),

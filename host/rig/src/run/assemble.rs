@@ -5,11 +5,13 @@ use softlimb_protocol::{Fault, PressureSample, SCHEMA_HASH, Samples, Telemetry};
 use softlimb_sim::plant::Truth;
 
 use super::bodied::{Bodied, Laws};
+use super::feedback::Frame;
 use super::grasp::Grasp;
 use super::hanging::{Hanging, Hung};
 use super::prepared::Origin;
 use super::reference::Reference;
 use super::solid;
+use crate::camera::Camera;
 use crate::link::{DeviceFault, LinkStatistics};
 use crate::record::{
     Body, ChannelSample, ContactRecord, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample,
@@ -41,6 +43,7 @@ pub(super) struct Assembler<'a> {
     grasp: Option<Grasp>,
     /// The model's limb under load, where setpoints are corrected for weight.
     weighed: Option<Nominal<'a>>,
+    camera: Option<Camera>,
     start_us: Option<u64>,
     next_shape_s: f64,
     next_body_s: f64,
@@ -59,6 +62,8 @@ enum TrueLimb<'a> {
 /// Observations of the limb when a message comes.
 pub(super) struct Seen {
     pub(super) sample: Sample,
+    /// The camera's look; `None` without a camera.
+    pub(super) frame: Option<Frame>,
     pub(super) shape: Option<Shape>,
     pub(super) body: Option<Body>,
     /// The same, by the model where nobody sees the limb.
@@ -95,10 +100,16 @@ impl<'a> Assembler<'a> {
             true_limb,
             grasp,
             weighed,
+            camera: None,
             start_us: None,
             next_shape_s: 0.0,
             next_body_s: 0.0,
         }
+    }
+
+    /// The same with a camera that observes the tip.
+    pub(super) fn observed_by(self, camera: Option<Camera>) -> Self {
+        Self { camera, ..self }
     }
 
     /// The same without shapes and bodies beside the samples.
@@ -216,7 +227,11 @@ impl<'a> Assembler<'a> {
             }
         });
         let body = shown.clone().filter(|_| truth.is_some());
-        Some(Seen { sample, shape, body, shown, posture, faults })
+        let frame = self.camera.as_mut().map(|camera| {
+            let tip_m = tip_achieved_m.and_then(|tip_m| camera.image(time_s, &tip_m.into()));
+            Frame { time_s, tip_m: tip_m.map(Into::into) }
+        });
+        Some(Seen { sample, frame, shape, body, shown, posture, faults })
     }
 
     /// Samples between the telemetry messages; `None` before the start.
@@ -382,6 +397,7 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, phases: Vec<PhaseInfo>, origi
         // A limb on a device has its weight, whatever the plan says.
         weightless: seed.is_some() && scene.weightless(),
         truth: seed.and_then(|_| scene.plant().truth.label()),
+        feedback: false,
         injected_faults: Vec::new(),
     }
 }

@@ -19,6 +19,11 @@ pub enum RunError {
     /// The scene asks for something the limb cannot do.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// The scene corrects its runs by a camera, and the limb is not simulated.
+    #[error(
+        "`feedback = true` in `[camera]` needs a camera, and none is connected to a device behind a port: set `feedback = false`"
+    )]
+    NoCamera,
     /// The simulated device cannot be built.
     #[error("the simulated device cannot be built: {0}")]
     Simulation(#[from] SimError),

@@ -4,6 +4,7 @@ mod assemble;
 mod bodied;
 mod disturbed;
 mod error;
+mod feedback;
 mod grasp;
 mod hanging;
 mod jogged;
@@ -193,7 +194,7 @@ fn simulated(
     let origin = Origin::Simulated { seed: options.seed };
     let injected = options.faults.iter().map(TimedFault::injected).collect();
     let session = Session { number: SESSION, origin, injected, truth: plant.plant().truth.label(), out: &options.out };
-    let assembler = prepared.assembler(plant, limb, options.seed);
+    let assembler = prepared.assembler(plant, limb, (options.seed, options.seed));
     let ended = recorded(prepared, assembler, &mut link, &session, cancel, on_progress);
     link.port_mut().take_failure().map_or(ended, |failure| Err(failure.into()))
 }
@@ -213,6 +214,9 @@ pub fn run_behind(
     cancel: &AtomicBool,
     on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
+    if scene.camera().is_some_and(|camera| camera.feedback) {
+        return Err(RunError::NoCamera);
+    }
     let mut prepared = Prepared::planned(scene, limb, plan)?;
     if let Some(request) = samples {
         let baud = if let PortAddress::Serial { baud, .. } = port { Some(*baud) } else { None };
@@ -221,7 +225,7 @@ pub fn run_behind(
     let mut link = disturbed(Unobserved::new(Port::open(port)?), link_faults, 0);
     let origin = Origin::Device { unix_ns: unix_ns() };
     let session = Session { number: port::session_number(), origin, injected: Vec::new(), truth: None, out };
-    let assembler = prepared.assembler(scene, prepared.limb(), 0);
+    let assembler = prepared.assembler(scene, prepared.limb(), (0, 0));
     recorded(&prepared, assembler, &mut link, &session, cancel, on_progress)
 }
 

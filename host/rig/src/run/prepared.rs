@@ -8,9 +8,11 @@ use softlimb_sim::{Processor, SimSettings, SimulatedMcu, here};
 use super::RunError;
 use super::assemble::{Assembler, phase_infos, run_info};
 use super::bodied::Laws;
+use super::feedback::{Frame, Task, follow};
 use super::observed::Observed;
 use super::recording::Bench;
 use super::reference::Planned;
+use crate::camera::Camera;
 use crate::link;
 use crate::link::{
     DeviceConfiguration, Event, Knot, LinkError, SampleRequest, Sampling, StreamOptions, Traffic, Transport,
@@ -62,8 +64,10 @@ pub(crate) struct Prepared<'a> {
     plan: Plan,
     inverses: Vec<ModuleInverse>,
     configuration: DeviceConfiguration,
-    knots: Vec<Knot>,
+    sent: Sent,
     sampling: Option<Sampling>,
+    /// Latency of the images that correct the setpoints, s; `None` where none do.
+    feedback: Option<f64>,
     laws: Laws,
 }
 
@@ -71,30 +75,38 @@ impl<'a> Prepared<'a> {
     /// A plan of a scene with the scene's corrections, checked that a device can follow.
     pub(super) fn planned(scene: &'a Scene, limb: Limb, plan: Plan) -> Result<Self, RunError> {
         let sent = motion::sent(scene, &limb, &plan)?;
-        Self::sending(scene, limb, plan, &sent)
+        let feedback = scene.camera().filter(|camera| camera.feedback).map(|camera| camera.latency_s);
+        Ok(Self { feedback, ..Self::sending(scene, limb, plan, sent)? })
     }
 
-    /// Plans a scene and checks that a device can follow, without the scene's corrections.
+    /// Plans a scene and checks that a device can follow, with the scene's corrections and feedback.
+    pub(crate) fn of(scene: &'a Scene) -> Result<Self, RunError> {
+        let limb = Limb::new(scene)?;
+        let plan = motion::plan(scene, &limb)?;
+        Self::planned(scene, limb, plan)
+    }
+
+    /// Plans a scene and checks that a device can follow, without the scene's corrections and feedback.
     pub(crate) fn by_model(scene: &'a Scene) -> Result<Self, RunError> {
         let limb = Limb::new(scene)?;
         let plan = motion::plan(scene, &limb)?;
         let sent = Sent::uncorrected(&limb, &plan);
-        Self::sending(scene, limb, plan, &sent)
+        Self::sending(scene, limb, plan, sent)
     }
 
     /// The same limb and the same goals, but the setpoints that are sent are corrected.
     pub(crate) fn corrected(&self, corrections: &Corrections) -> Result<Self, RunError> {
         let sent = motion::corrected(self.scene, &self.limb, &self.plan, corrections)?;
         let laws = self.laws.clone();
-        Ok(Self { laws, ..Self::sending(self.scene, self.limb.clone(), self.plan.clone(), &sent)? })
+        Ok(Self { laws, ..Self::sending(self.scene, self.limb.clone(), self.plan.clone(), sent)? })
     }
 
-    fn sending(scene: &'a Scene, limb: Limb, plan: Plan, sent: &Sent) -> Result<Self, RunError> {
+    fn sending(scene: &'a Scene, limb: Limb, plan: Plan, sent: Sent) -> Result<Self, RunError> {
         let inverses = motion::inverses(scene, &limb)?;
-        motion::check_goals(scene, &limb, &plan, sent, &inverses)?;
+        motion::check_goals(scene, &limb, &plan, &sent, &inverses)?;
         let configuration = crate::configuration(scene, &inverses, &limb);
-        let knots = wire_knots(&plan, sent);
-        Ok(Self { scene, limb, plan, inverses, configuration, knots, sampling: None, laws: Laws::default() })
+        let (sampling, feedback, laws) = (None, None, Laws::default());
+        Ok(Self { scene, limb, plan, inverses, configuration, sent, sampling, feedback, laws })
     }
 
     /// The same with samples beside the telemetry, for a line of some baud, if it is one.
@@ -134,6 +146,7 @@ impl<'a> Prepared<'a> {
 
     pub(super) fn info(&self, origin: Origin) -> RunInfo {
         let mut info = run_info(self.scene, &self.limb, phase_infos(self.scene, &self.plan), origin);
+        info.feedback = self.feedback.is_some();
         for object in &mut info.carried {
             object.start_m = Some(self.plan.tip_m(&self.limb, object.from_s * 1e6));
         }
@@ -148,24 +161,38 @@ impl<'a> Prepared<'a> {
         info
     }
 
-    /// What makes samples of a run of the limb of a scene, which need not be the planned one; a body is the specimen `seed`.
-    pub(super) fn assembler<'p>(&'p self, plant: &'p Scene, simulated: &'p Limb, seed: u64) -> Assembler<'p> {
+    /// What makes samples of a run of the limb of a scene, which need not be the planned one. The seeds are those of a body's specimen and of the
+    /// noise of a camera.
+    pub(super) fn assembler<'p>(
+        &'p self,
+        plant: &'p Scene,
+        simulated: &'p Limb,
+        (seed, noise): (u64, u64),
+    ) -> Assembler<'p> {
         let reference = Planned::new(self.scene, &self.limb, &self.plan);
         let tier = self.plan.weighed().map(|weighed| weighed.tier);
         Assembler::new((self.scene, &self.limb), reference, tier, (plant, simulated), (seed, self.laws.clone()))
+            .observed_by(self.scene.camera().map(|camera| Camera::new(*camera, noise, seed)))
     }
 
-    /// Streams the setpoints to a device.
+    /// Streams the setpoints to a device, corrected by a camera's images if the scene asks for it. `on_event` gives the camera's look at a report.
     pub(super) fn stream<D: Transport>(
         &self,
         device: &mut D,
-        session: u16,
-        cancel: &AtomicBool,
-        on_event: impl FnMut(&mut D, Event),
+        (session, cancel): (u16, &AtomicBool),
+        mut on_event: impl FnMut(&mut D, Event) -> Option<Frame>,
     ) -> Result<link::Summary, LinkError> {
         let options = stream_options(&self.configuration, &self.limb, session, cancel);
         let options = StreamOptions { sampling: self.sampling, ..options };
-        link::stream(device, &self.configuration, &self.knots, &options, on_event)
+        let Self { scene, limb, plan, sent, .. } = self;
+        let Some(latency_s) = self.feedback else {
+            let knots = wire_knots(plan, sent);
+            return link::stream(device, &self.configuration, &knots, &options, |device, event| {
+                on_event(device, event);
+            });
+        };
+        let task = Task { scene, limb, plan, sent };
+        follow(device, (&self.configuration, &options), task, latency_s, on_event)
     }
 
     /// Runs on a simulated device and keeps the samples in memory: `parts` is the seed of what the limb is, `noise` of what differs from
@@ -180,19 +207,24 @@ impl<'a> Prepared<'a> {
     fn log(&self, settings: &SimSettings) -> Result<RunLog, RunError> {
         let processor: Box<dyn Processor> = Box::new(here());
         let mut device = Observed::new(SimulatedMcu::with_processor(settings, processor)?);
-        let mut assembler = self.assembler(self.scene, &self.limb, settings.plant.seed).samples_only();
+        let seeds = (settings.plant.seed, settings.seed);
+        let mut assembler = self.assembler(self.scene, &self.limb, seeds).samples_only();
         let (mut samples, mut faults) = (Vec::new(), Vec::new());
-        let ended = self.stream(&mut device, SESSION, &AtomicBool::new(false), |device, event| match event {
-            Event::Armed { start_us, .. } => assembler.start(start_us),
-            Event::Telemetry { message, .. } => {
-                let truth = device.truth_at(message.time_us);
-                if let Some(seen) = assembler.sample(&message, truth.as_ref()) {
-                    samples.push(seen.sample);
+        let cancel = AtomicBool::new(false);
+        let ended = self.stream(&mut device, (SESSION, &cancel), |device, event| {
+            match event {
+                Event::Armed { start_us, .. } => assembler.start(start_us),
+                Event::Telemetry { message, .. } => {
+                    let truth = device.truth_at(message.time_us);
+                    let seen = assembler.sample(&message, truth.as_ref())?;
                     faults.extend(seen.faults);
+                    samples.push(seen.sample);
+                    return seen.frame;
                 }
+                Event::Fault { message, .. } => faults.push(assembler.fault(&message)),
+                _ => {}
             }
-            Event::Fault { message, .. } => faults.push(assembler.fault(&message)),
-            _ => {}
+            None
         });
         ended.map_err(|cause| RunError::Link(Box::new(cause)))?;
         Ok(RunLog {
@@ -221,9 +253,7 @@ pub fn summaries(
     seeds: impl IntoIterator<Item = u64>,
     mut each: impl FnMut(u64, Result<Summary, RunError>) -> bool,
 ) -> Result<(), RunError> {
-    let limb = Limb::new(scene)?;
-    let plan = motion::plan(scene, &limb)?;
-    let prepared = Prepared::planned(scene, limb, plan)?;
+    let prepared = Prepared::of(scene)?;
     for seed in seeds {
         let settings = simulate::settings(scene, prepared.limb(), seed);
         if !each(seed, prepared.log(&settings).map(|log| report::summary(&log))) {
@@ -274,5 +304,5 @@ pub fn samples(
     (plan, sent): (&Plan, &Sent),
     (parts, noise): (u64, u64),
 ) -> Result<Vec<Sample>, RunError> {
-    Prepared::sending(scene, limb.clone(), plan.clone(), sent)?.samples(parts, noise)
+    Prepared::sending(scene, limb.clone(), plan.clone(), sent.clone())?.samples(parts, noise)
 }

@@ -8,6 +8,7 @@ use std::time::Instant;
 use softlimb_sim::plant::Truth;
 
 use super::assemble::{Assembler, Seen, link_summary};
+use super::feedback::Frame;
 use super::prepared::{Origin, Prepared};
 use super::tape::Tape;
 use super::timed_fault::TimedFault;
@@ -106,10 +107,11 @@ pub(super) fn recorded<D: Bench>(
         ..prepared.info(session.origin)
     };
     recorded_by(device, (info, assembler, period_us), session.out, |device, recording| {
-        prepared.stream(device, session.number, cancel, |device, event| {
+        prepared.stream(device, (session.number, cancel), |device, event| {
             if let Some(sample) = recording.take(device, event) {
                 on_progress(Progress { time_s: sample.time_s.min(duration_s), duration_s });
             }
+            recording.take_frame()
         })
     })
 }
@@ -169,6 +171,8 @@ pub(super) struct Recording<'a> {
     body: Option<Body>,
     /// Its frames then.
     posture: Option<Posture>,
+    /// The camera's latest look.
+    frame: Option<Frame>,
     /// How the targets were met by hand.
     pub(super) targets: Vec<TargetRecord>,
     /// Bytes and ticks that are not in the log yet.
@@ -204,6 +208,7 @@ impl<'a> Recording<'a> {
             last_s: None,
             body: None,
             posture: None,
+            frame: None,
             targets: Vec::new(),
             wire: Vec::new(),
             ticks: Vec::new(),
@@ -229,6 +234,11 @@ impl<'a> Recording<'a> {
     /// The look at the limb since the last call.
     pub(super) fn take_body(&mut self) -> Option<Body> {
         self.body.take()
+    }
+
+    /// The camera's look since the last call.
+    pub(super) fn take_frame(&mut self) -> Option<Frame> {
+        self.frame.take()
     }
 
     /// The frames of that look.
@@ -294,10 +304,11 @@ impl<'a> Recording<'a> {
                 if self.recorder.is_some() {
                     self.gaps.add(message.time_us);
                 }
-                if let Some(Seen { sample, shape, body, shown, posture, faults }) =
+                if let Some(Seen { sample, frame, shape, body, shown, posture, faults }) =
                     self.assembler.sample(&message, truth)
                 {
                     self.body = shown.or(self.body.take());
+                    self.frame = frame;
                     if let Some(recorder) = &mut self.recorder {
                         recorder.sample(&sample)?;
                         self.last_s = Some(sample.time_s);
@@ -305,6 +316,9 @@ impl<'a> Recording<'a> {
                         body.map_or(Ok(()), |body| recorder.body(&body))?;
                         posture.as_ref().map_or(Ok(()), |posture| recorder.posture(posture))?;
                         faults.iter().try_for_each(|fault| recorder.fault(fault))?;
+                        if let Some(Frame { time_s, tip_m: Some(tip_m) }) = frame {
+                            recorder.image(time_s, tip_m)?;
+                        }
                     }
                     self.posture = posture.or(self.posture.take());
                     return Ok(Some(sample));

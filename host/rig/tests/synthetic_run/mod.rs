@@ -63,6 +63,7 @@ pub(crate) fn info() -> RunInfo {
         simulated: true,
         weightless: false,
         truth: None,
+        feedback: true,
         injected_faults: Vec::new(),
     }
 }

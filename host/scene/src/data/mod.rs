@@ -13,7 +13,7 @@ pub use corrections::Corrections;
 pub use design::{Bounds, Choice, Design, ModuleBounds};
 pub use limb::{EndEffector, Limb, Module, ModuleSegment, WoundActuator};
 pub use motion::{
-    BendingModel, Controller, Excess, Goal, InverseChoice, Limits, LinkLoss, MarginLimits, Phase, PressureLoop,
+    BendingModel, Camera, Controller, Excess, Goal, InverseChoice, Limits, LinkLoss, MarginLimits, Phase, PressureLoop,
     Shaping, Swing, Target, Weight,
 };
 pub use plant::{Ambient, BodyEffects, Chamber, Line, Plant, Sensor, Spread, Supply, TrueLimb, Valve};
@@ -46,6 +46,7 @@ pub struct Scene {
     pub(super) controller: Controller,
     pub(super) weight: Weight,
     pub(super) swing: Swing,
+    pub(super) camera: Option<Camera>,
     pub(super) plant: Plant,
 }
 
@@ -133,6 +134,11 @@ impl Scene {
     /// Swing after moves.
     pub fn swing(&self) -> &Swing {
         &self.swing
+    }
+
+    /// The camera that observes the tip; `None` where the scene states none.
+    pub fn camera(&self) -> Option<&Camera> {
+        self.camera.as_ref()
     }
 
     /// The pneumatics.

@@ -139,6 +139,23 @@ pub struct Swing {
     pub excess: Excess,
 }
 
+/// A camera that observes the tip of the simulated limb.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Whether runs correct their setpoints by its images.
+    pub feedback: bool,
+    /// Least time between two images, s; > 0.
+    pub period_s: f64,
+    /// Time from an image to the position that it gives, s; >= 0.
+    pub latency_s: f64,
+    /// Standard deviation of a coordinate in one image, m; >= 0.
+    pub noise_m: f64,
+    /// Standard deviation of the constant error of its calibration in a coordinate, m; >= 0.
+    pub offset_m: f64,
+    /// Share of the images in which the tip is not found; 0 to 0.95.
+    pub drop_outs: f64,
+}
+
 /// Reaction of the controller to a silent host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LinkLoss {

@@ -109,6 +109,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
     let controller = settings::controller(&root);
     let weight = settings::weight(&root);
     let swing = settings::swing(&root, weight.as_ref());
+    let camera = settings::camera(&root);
     let plant = plant::plant(&root);
     let mut drafts = module::modules(&root, &materials, &windings, limits.as_ref());
     let obstacles = task::obstacles(&root);
@@ -144,6 +145,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
         controller: controller?,
         weight: weight?,
         swing: swing?,
+        camera: camera?,
         plant: plant?,
     })
 }

@@ -1,8 +1,8 @@
 //! Limits and settings of the controller.
 
 use crate::data::{
-    BendingModel, Controller, Excess, InverseChoice, Limits, LinkLoss, MarginLimits, PressureLoop, Shaping, Swing,
-    Weight,
+    BendingModel, Camera, Controller, Excess, InverseChoice, Limits, LinkLoss, MarginLimits, PressureLoop, Shaping,
+    Swing, Weight,
 };
 use crate::error::{Problem, quoted};
 use crate::reader::Reader;
@@ -139,6 +139,27 @@ pub(super) fn swing(root: &Reader<'_>, weight: Option<&Weight>) -> Option<Swing>
             return reader.log().note(problem.help("leave out `simulated = false` and `compensated = false`"));
         }
         Some(Swing { loss_factor: *loss_factor?, shaping: *shaping?, residual_max_m: residual_max?, excess: *excess? })
+    })
+}
+
+/// The inner `None` without the table.
+pub(super) fn camera(root: &Reader<'_>) -> Option<Option<Camera>> {
+    if root.value(schema::scene::CAMERA.name).is_none() {
+        return Some(None);
+    }
+    optional_table(root, &schema::scene::CAMERA, &schema::camera::SECTION, |reader| {
+        use schema::camera::*;
+        let feedback = reader.flag(&FEEDBACK);
+        let [period, latency, noise, offset, drop_outs] =
+            [PERIOD, LATENCY, NOISE, OFFSET, DROP_OUTS].map(|key| reader.quantity(&key));
+        Some(Some(Camera {
+            feedback: feedback?,
+            period_s: *period?,
+            latency_s: *latency?,
+            noise_m: *noise?,
+            offset_m: *offset?,
+            drop_outs: *drop_outs?,
+        }))
     })
 }
 

@@ -1,10 +1,11 @@
-//! The simulated camera, and its observations of the tip at the ends of phases.
+//! The camera's observations of the tip at the ends of phases.
 
 use std::ops::Range;
 
 use nalgebra::Vector3;
 
 use super::Settings;
+use crate::camera::Camera;
 use crate::payload_estimation::{ACCURACY_M, Observation};
 use crate::record::Sample;
 use crate::run;
@@ -12,30 +13,10 @@ use crate::run::RunError;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
-use softlimb_numerics::Random;
 use softlimb_scene::Scene;
 
 /// Time before the end of a phase in which the tip is observed, s.
 const WINDOW_S: f64 = 0.1;
-/// Stream of the camera's noise.
-const STREAM: u64 = 1;
-
-/// A camera with normal noise in each coordinate.
-pub(super) struct Camera {
-    noise_m: f64,
-    random: Random,
-}
-
-impl Camera {
-    pub(super) fn new(noise_m: f64, seed: u64) -> Self {
-        Self { noise_m, random: Random::new(seed, STREAM) }
-    }
-
-    /// Noise of one observation, m.
-    pub(super) fn noise_m(&mut self) -> Vector3<f64> {
-        Vector3::from_fn(|_, _| self.noise_m * self.random.normal())
-    }
-}
 
 /// Runs the setpoints of a scene without and with a load, N, each as often as the settings have runs, and observes the ends of all phases.
 /// Weight and load are simulated whatever the scene says. The pressures are the sensors' readings.
@@ -46,7 +27,7 @@ pub fn observe(scene: &Scene, load_n: f64, settings: &Settings) -> Result<Vec<Ob
     let limb = Limb::new(scene)?;
     let plan = motion::plan(scene, &limb)?;
     let sent = motion::sent(scene, &limb, &plan)?;
-    let mut camera = Camera::new(settings.camera_noise_m, settings.noise);
+    let mut camera = Camera::learning(scene, settings.camera_noise_m, (settings.noise, settings.limb));
     let mut observations = Vec::new();
     let runs = u64::from(settings.runs.get());
     for (loaded, run) in [false, true].into_iter().flat_map(|loaded| (0..runs).map(move |run| (loaded, run))) {

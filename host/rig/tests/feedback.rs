@@ -1,0 +1,113 @@
+//! Feedback of a camera's images within a run.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use nalgebra::Vector3;
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_rig::link::port::PortAddress;
+use softlimb_rig::record::RunLog;
+use softlimb_rig::report;
+use softlimb_rig::run::{Mcu, RunError, RunOptions, run, run_behind, summaries};
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
+
+/// A scene of the repository with more text; its holds last 3 s.
+fn holding(name: &str, more: &str) -> Scene {
+    let path = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    let longer =
+        |line: &str| if line.starts_with("hold = ") { "hold = \"3 s\"\n".to_owned() } else { format!("{line}\n") };
+    let text = text.lines().map(longer).collect::<String>() + more;
+    scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("{}", error.render(false)))
+}
+
+/// The limb that hangs, on a true body with all of its effects on quasi-static equilibria.
+fn hanging(more: &str) -> Scene {
+    holding("loaded/carry-hanging", &format!("{more}[plant.truth]\nlimb = \"body\"\n"))
+}
+
+fn ran(scene: &Scene, out: &Path) -> RunLog {
+    let out = out.to_owned();
+    let options = RunOptions { seed: scene.seed(), out, mcu: Mcu::Here, link_faults: None, faults: Vec::new() };
+    run(scene, &options, &AtomicBool::new(false), |_| ()).unwrap().run
+}
+
+/// Distances of the tip from its setpoint at the ends of holds, m.
+fn errors_m(log: &RunLog) -> Vec<Vector3<f64>> {
+    let at_end = |end_s: f64| {
+        let last = log.samples.iter().rev().find(|sample| sample.time_s <= end_s).unwrap();
+        Vector3::from(last.tip_achieved_m.unwrap()) - Vector3::from(last.tip_setpoint_m)
+    };
+    log.info.phases.iter().map(|phase| at_end(phase.start_s + phase.move_s + phase.hold_s)).collect()
+}
+
+#[test]
+fn camera_brings_a_limb_that_differs_from_its_model_to_its_goals() {
+    let folder = tempfile::tempdir().unwrap();
+    let blind = report::summary(&ran(&hanging(""), folder.path())).tip.at_holds_m.unwrap();
+    let scene = hanging("[camera]\nfeedback = true\n");
+    let log = ran(&scene, folder.path());
+    let summary = report::summary(&log);
+    let seeing = summary.tip.at_holds_m.unwrap();
+    println!("at the ends of holds, mm: {:.2} of {:.2}", 1e3 * seeing.rmse, 1e3 * blind.rmse);
+    assert!(blind.rmse > 20e-3, "{blind:?}");
+    assert!(seeing.rmse < 0.7e-3 && seeing.max < 1e-3, "{seeing:?}");
+    assert!(
+        summary.table().contains("body + hysteresis + creep + softening + assembly, feedback by camera"),
+        "{}",
+        summary.table()
+    );
+    // All images are in the log: one a report.
+    let bytes = std::fs::read(folder.path().join("run.mcap")).unwrap();
+    let messages = mcap::MessageStream::new(&bytes).unwrap().map(Result::unwrap);
+    let images = messages.filter(|message| message.channel.topic == "/softlimb/camera").count();
+    assert_eq!(images, log.samples.len());
+    // The same seed gives the same bits, and a run without a log has the same figures.
+    let again = ran(&scene, folder.path());
+    assert!(again.samples == log.samples);
+    let mut without = None;
+    summaries(&scene, [scene.seed()], |_, found| {
+        without = Some(found.unwrap());
+        true
+    })
+    .unwrap();
+    assert_eq!(without.unwrap().tip, summary.tip);
+}
+
+#[test]
+fn feedback_bears_latency_and_drop_outs_and_follows_the_error_of_the_calibration() {
+    let folder = tempfile::tempdir().unwrap();
+    let camera = "feedback = true\nlatency = \"100 ms\"\ndrop_outs = \"30 %\"\nnoise = 0\n";
+    let errors =
+        |offset: &str| errors_m(&ran(&hanging(&format!("[camera]\n{camera}offset = {offset}\n")), folder.path()));
+    let (right, wrong) = (errors("0"), errors("\"3 mm\""));
+    let shifts: Vec<Vector3<f64>> = right.iter().zip(&wrong).map(|(right, wrong)| wrong - right).collect();
+    // The last goal is that at which the limb lets go of its load.
+    assert!(right.iter().all(|error| error.norm() < 1.5e-3), "{right:?}");
+    // The tip is where the camera believes that it should be: off by the same at every goal.
+    assert!(shifts.iter().all(|shift| shift.norm() > 2e-3 && (shift - shifts[0]).norm() < 0.5e-3), "{shifts:?}");
+}
+
+#[test]
+fn feedback_does_not_shake_a_limb_that_swings() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = hanging("[camera]\nfeedback = true\n");
+    let swinging = scene::parse(&(scene.source_text().to_owned() + "swing = true\n"), "scene.toml").unwrap();
+    let found = report::summary(&ran(&swinging, folder.path())).tip.at_holds_m.unwrap();
+    println!("{found:?}");
+    assert!(found.rmse < 0.8e-3 && found.max < 1.2e-3, "{found:?}");
+}
+
+#[test]
+fn device_behind_a_port_has_no_camera() {
+    let scene = holding("single-bending", "[camera]\nfeedback = true\n");
+    let limb = Limb::new(&scene).unwrap();
+    let plan = motion::plan(&scene, &limb).unwrap();
+    let address = PortAddress::Serial { path: "/dev/absent".to_owned(), baud: 115_200 };
+    let folder = tempfile::tempdir().unwrap();
+    let cancel = AtomicBool::new(false);
+    let refused = run_behind(&scene, (limb, plan), (&address, None), None, folder.path(), &cancel, |_| ());
+    assert!(matches!(refused, Err(RunError::NoCamera)), "{refused:?}");
+}
