@@ -28,7 +28,7 @@ fn unknown_key() {
 3 | color = "red"
   | ^^^^^ unknown key
   |
-  = help: known keys: format, name, description, seed, materials, windings, limb, module, phase, markers, corrections, obstacle, region, object, design, limits, controller, weight, swing, plant"#
+  = help: known keys: format, name, description, seed, materials, windings, limb, module, phase, markers, corrections, obstacle, region, object, design, limits, controller, weight, swing, camera, plant"#
     );
 }
 

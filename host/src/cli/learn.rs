@@ -29,9 +29,9 @@ pub(super) struct Learn {
     /// Runs that measure the tip error, before and after learning
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=200))]
     trials: u32,
-    /// Standard deviation of a coordinate in one observation of the camera, 0 to 100 mm
-    #[arg(long, value_name = "MM", default_value = "0.2 mm", value_parser = quantity("mm", 0.0, 100.0))]
-    camera: Quantity,
+    /// Standard deviation of a coordinate in one observation of the camera, 0 to 100 mm [default: that of the scene's `[camera]`, else 0.2 mm]
+    #[arg(long, value_name = "MM", value_parser = quantity("mm", 0.0, 100.0))]
+    camera: Option<Quantity>,
     /// Seed of the perturbed limb [default: the scene's]
     #[arg(long)]
     limb: Option<u64>,
@@ -49,12 +49,13 @@ pub(super) struct Learn {
 impl Learn {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let scene = scene::load(&self.scene)?;
+        let stated_m = scene.camera().map_or(0.2e-3, |camera| camera.noise_m);
         let settings = Settings {
             limb: self.limb.unwrap_or(scene.seed()),
             noise: self.seed,
             iterations: self.iterations,
             runs: NonZero::new(self.trials).unwrap_or(NonZero::<u32>::MIN),
-            camera_noise_m: self.camera.si(),
+            camera_noise_m: self.camera.as_ref().map_or(stated_m, Quantity::si),
         };
         let found = learn(&scene, &settings)?;
         write_if(self.csv.as_ref(), || corrections_csv(&scene, &found.corrections))?;
@@ -71,7 +72,7 @@ impl Learn {
             "{name}: limb {limb}, {count} trials each, {} iterations with a camera of {} mm\n\n\
              {:34} {:>16} {:>18}\n{:34} {:>8} {:>8} {:>9} {:>8}\n",
             self.iterations,
-            (1e9 * self.camera.si()).round() / 1e6,
+            (1e9 * settings.camera_noise_m).round() / 1e6,
             "",
             "by the model",
             "after learning",
