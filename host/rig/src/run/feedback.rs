@@ -61,9 +61,8 @@ impl Desk {
     /// Takes a look; what is older than the latency arrives.
     fn take(&mut self, frame: Frame, latency_s: f64) {
         self.on_the_way.extend(frame.tip_m.map(|tip_m| (frame.time_s, tip_m.into())));
-        while let Some(image) = self.on_the_way.pop_front_if(|(time_s, _)| *time_s + latency_s <= frame.time_s) {
-            self.arrived.push(image);
-        }
+        let arrived = self.on_the_way.partition_point(|(time_s, _)| *time_s + latency_s <= frame.time_s);
+        self.arrived.extend(self.on_the_way.drain(..arrived));
     }
 }
 
