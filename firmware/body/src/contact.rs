@@ -17,17 +17,17 @@ use crate::beam::Node;
 use crate::body::Body;
 use crate::motion::Inertia;
 
-/// Of a solid's surface, N/m: 0.03 mm under 34 N.
+/// Stiffness of a solid's surface, N/m: it gives by 1 um/N.
 const STIFFNESS_N_PER_M: f64 = 1e6;
-/// Of the surface along itself, N/m: two thirds, as of spheres of an incompressible elastomer (R. D. Mindlin 1949).
+/// Stiffness of the surface along itself, N/m: two thirds, as of spheres of an incompressible elastomer (R. D. Mindlin 1949).
 const SPRING_N_PER_M: f64 = 2.0 / 3.0 * STIFFNESS_N_PER_M;
 /// Coefficient of friction. Assumed: cast silicone or a printed part on a table.
 const FRICTION: f64 = 0.5;
 /// Time over which an approach is braked, s.
 pub(crate) const BRAKING_S: f64 = 1e-3;
-/// Gap of a contact that a limb may close within a step, m.
+/// Gap of a contact within which a limb counts as near, m, however slow it is.
 const NEAR_M: f64 = 0.02;
-/// Largest growth of a normal force in a step, by which it still changes the stiffness.
+/// Largest ratio of a trial normal force to that of the last instant with which the force counts in the stiffness.
 const SETTLED: f64 = 2.0;
 /// Share of a limit within which a force is that limit.
 const ROUNDING: f64 = 1e-9;
@@ -67,8 +67,10 @@ pub struct Hanging {
 pub struct Contact {
     /// Index of the solid.
     pub solid: usize,
-    /// Force on the limb and what it carries, N, in space.
+    /// Force on the limb and what it carries, N, in space; without that which brakes an approach.
     pub force_n: [f64; 3],
+    /// Whether it acts on the carried object alone.
+    pub carried: bool,
 }
 
 /// Solids, the balls of the limb, and the springs of friction.
@@ -115,6 +117,8 @@ pub(crate) struct Placed {
     /// From there to its center, in space, m.
     offset_m: Vector3<f64>,
     radius_m: f64,
+    /// Whether it is of the carried object.
+    hangs: bool,
 }
 
 impl Placed {
@@ -124,8 +128,7 @@ impl Placed {
 
     /// The point that carries a force of the surface with a normal: on the ball, or where an object hangs.
     fn own_m(&self, node: &Node, normal: &Vector3<f64>) -> Vector3<f64> {
-        let hangs = self.offset_m != Vector3::zeros();
-        if hangs { self.place_m } else { self.place_m - node.turn.tr_mul(normal) * self.radius_m }
+        if self.hangs { self.place_m } else { self.place_m - node.turn.tr_mul(normal) * self.radius_m }
     }
 }
 
@@ -165,12 +168,14 @@ impl Contacts {
             place_m: Vector3::from(ball.place_m),
             offset_m: Vector3::zeros(),
             radius_m: ball.radius_m,
+            hangs: false,
         });
         let carried = self.carried.iter().map(move |ball| Placed {
             plate: tip.0,
             place_m: tip.1,
             offset_m: Vector3::z() * ball.up_m,
             radius_m: ball.radius_m,
+            hangs: true,
         });
         own.chain(carried)
     }
@@ -240,15 +245,17 @@ impl Contacts {
     fn forces(&self, shape: Shape<'_>) -> Vec<Contact> {
         let balls: Vec<Placed> = self.placed(shape.tip).collect();
         let of = |solid: usize| {
-            let touched = self.sticking.iter().filter(|known| known.pair.1 == solid);
+            let touched = self.sticking.iter().filter(move |known| known.pair.1 == solid);
+            let carried = touched.clone().all(|known| known.pair.0 >= self.balls.len());
             let force = |known: &Sticking| {
                 let ball = balls.get(known.pair.0)?;
                 let (_, normal) = self.solids[solid].distance(&ball.center_m(shape.node(ball)));
                 Some(normal * known.normal_n - known.spring_m * SPRING_N_PER_M)
             };
-            touched.filter_map(force).reduce(|a, b| a + b)
+            let force_n: [f64; 3] = touched.filter_map(force).reduce(|a, b| a + b)?.into();
+            Some(Contact { solid, force_n, carried })
         };
-        (0..self.solids.len()).filter_map(|solid| Some(Contact { solid, force_n: of(solid)?.into() })).collect()
+        (0..self.solids.len()).filter_map(of).collect()
     }
 }
 
@@ -384,12 +391,12 @@ impl Body {
         Shape { nodes: &self.nodes, tip: self.tip(), inertia }
     }
 
-    /// Whether a step may bring the limb to a solid.
-    pub(crate) fn is_near_solid(&self) -> bool {
+    /// Whether the limb may come to a solid while it moves by a distance, m.
+    pub(crate) fn is_near_solid(&self, way_m: f64) -> bool {
         let contacts = &self.contacts;
         contacts.placed(self.tip()).any(|ball| {
             let center_m = ball.center_m(&self.nodes[ball.plate]);
-            contacts.solids.iter().any(|solid| solid.distance(&center_m).0 - ball.radius_m < NEAR_M)
+            contacts.solids.iter().any(|solid| solid.distance(&center_m).0 - ball.radius_m < way_m.max(NEAR_M))
         })
     }
 }

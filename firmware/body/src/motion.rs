@@ -44,7 +44,8 @@ impl Inertia {
         ((drifts - went + outwards) * per_n_per_m, per_n_per_m, -arm.cross_matrix())
     }
 
-    /// By how much a point at an arm of a plate, which is at `middle` now, goes on to the end of the step, m, and its velocity there, m/s.
+    /// Shift of a point of a plate over the rest of the step, m, and its velocity at the end, m/s. `arm_m` leads from the plate's origin to the point; the
+    /// plate is at `middle` now.
     pub(crate) fn ahead(&self, plate: usize, arm_m: &Vector3<f64>, middle: &Node) -> [Vector3<f64>; 2] {
         let start = &self.start[plate];
         let was_m = start.turn * middle.turn.tr_mul(arm_m);
@@ -107,7 +108,8 @@ impl Moving {
         step_s: f64,
     ) -> Result<(), Fallen> {
         // Twice this time is the step in which an impact leaves no velocity.
-        let step_s = if self.body.is_near_solid() { step_s.min(2.0 * BRAKING_S) } else { step_s };
+        let is_near = self.body.is_near_solid(2.0 * span_s * self.fastest_m_per_s());
+        let step_s = if is_near { step_s.min(2.0 * BRAKING_S) } else { step_s };
         let steps = (span_s / step_s).ceil().max(1.0) as u32;
         let from = (self.body.pressures_pa.clone(), self.body.load.payload_kg);
         (1..=steps).try_for_each(|step| {
@@ -116,6 +118,14 @@ impl Moving {
             let between: Vec<f64> = from.0.iter().zip(pressures_pa).map(|(a, b)| mix(*a, *b)).collect();
             self.advance(&between, mix(from.1, payload_kg), span_s / f64::from(steps))
         })
+    }
+
+    /// Speed of the fastest plate's origin, and of the tip, m/s.
+    fn fastest_m_per_s(&self) -> f64 {
+        let plates = self.velocities.iter().map(|velocity| velocity_at(velocity, &Vector3::zeros()));
+        let (plate, place_m) = self.body.tip();
+        let tip = velocity_at(&self.velocities[plate], &(self.body.nodes[plate].turn * place_m));
+        plates.chain([tip]).map(|velocity| velocity.norm()).fold(0.0, f64::max)
     }
 
     /// The limb as it is.

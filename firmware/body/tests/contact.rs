@@ -75,7 +75,7 @@ fn pressed(body: &mut Body, force_n: [f64; 3]) -> [f64; 3] {
 }
 
 fn only(body: &Body) -> [f64; 3] {
-    let [Contact { solid: 0, force_n }] = body.contacts()[..] else { panic!("one solid is touched") };
+    let [Contact { solid: 0, force_n, .. }] = body.contacts()[..] else { panic!("one solid is touched") };
     force_n
 }
 

@@ -1,14 +1,14 @@
-//! The simulated camera: what it makes of the position of a tip.
+//! The simulated camera: positions of the tip with noise, a constant error, and gaps.
 
 use nalgebra::Vector3;
 use softlimb_numerics::Random;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
-/// Streams of the images' noise, of the calibration's error and of the images without a tip.
-const NOISE: u64 = 1;
-const OFFSET: u64 = 2;
-const DROP_OUTS: u64 = 3;
+/// Streams of the images' noise, of the calibration's error and of the images without a tip: the plant's are below 2^34.
+const NOISE: u64 = 1 << 34;
+const OFFSET: u64 = NOISE + 1;
+const DROP_OUTS: u64 = NOISE + 2;
 
 /// Largest part of a period by which an image may come early: reports of a device are not exactly periodic.
 const EARLY: f64 = 0.05;
@@ -59,5 +59,48 @@ impl Camera {
     /// Noise of one image, m.
     pub(crate) fn noise_m(&mut self) -> Vector3<f64> {
         Vector3::from_fn(|_, _| self.settings.noise_m * self.noise.normal())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SETTINGS: scene::Camera =
+        scene::Camera { feedback: false, period_s: 0.1, latency_s: 0.0, noise_m: 0.0, offset_m: 1e-3, drop_outs: 0.0 };
+
+    #[test]
+    fn images_are_a_period_apart() {
+        let mut camera = Camera::new(SETTINGS, 1, 1);
+        // Reports come every 20 ms, a little late or early.
+        let times = (0..100).map(|index| 0.02 * f64::from(index) + if index % 2 == 0 { 1e-4 } else { -1e-4 });
+        let taken: Vec<f64> = times.filter(|time_s| camera.image(*time_s, &Vector3::zeros()).is_some()).collect();
+        assert_eq!(taken.len(), 20, "{taken:?}");
+        assert!(taken.windows(2).all(|pair| (pair[1] - pair[0] - 0.1).abs() < 1e-3), "{taken:?}");
+        camera.restart();
+        assert!(camera.image(0.0, &Vector3::zeros()).is_some());
+    }
+
+    #[test]
+    fn error_of_the_calibration_is_the_limbs_and_constant() {
+        let seen = |seed, limb| {
+            let mut camera = Camera::new(SETTINGS, seed, limb);
+            [0.0, 1.0].map(|time_s| camera.image(time_s, &Vector3::new(1.0, 2.0, 3.0)).unwrap())
+        };
+        let [first, later] = seen(1, 7);
+        assert_eq!(first, later);
+        assert_eq!([first, later], seen(2, 7));
+        assert_ne!([first, later], seen(1, 8));
+        let squares = (0..1000).map(|limb| (seen(1, limb)[0] - Vector3::new(1.0, 2.0, 3.0)).norm_squared());
+        let deviation_m = (squares.sum::<f64>() / 3000.0).sqrt();
+        assert!((deviation_m / 1e-3 - 1.0).abs() < 0.05, "{deviation_m}");
+    }
+
+    #[test]
+    fn share_of_the_images_has_no_tip() {
+        let mut camera = Camera::new(scene::Camera { drop_outs: 0.3, ..SETTINGS }, 1, 1);
+        let times = (0..10_000).map(f64::from);
+        let lost = times.filter(|time_s| camera.image(*time_s, &Vector3::zeros()).is_none()).count();
+        assert!((2_800..3_200).contains(&lost), "{lost}");
     }
 }

@@ -9,6 +9,37 @@ use softlimb_limb::{Drive, Limb};
 /// Least damping, m: below the camera's resolution.
 const DAMPING_M: f64 = 0.1e-3;
 
+/// What is corrected, and how the tip moves with it at a pose.
+pub(crate) struct Columns<'a> {
+    pub(crate) limb: &'a Limb,
+    /// Drive and channels of all that is corrected alike.
+    pub(crate) groups: &'a [(usize, Range<usize>)],
+    /// Motion of the tip, m, with the whole range of each group.
+    pub(crate) columns: &'a [Vector3<f64>],
+}
+
+impl Columns<'_> {
+    /// Changes the corrections of setpoints, one a group, so that a share `gain` of an error of the tip, m, goes away; setpoints end with their range.
+    pub(crate) fn correct(&self, planned: &[f64], values: &mut [f64], error: &Vector3<f64>, gain: f64) {
+        let range = |(drive, _): &(usize, Range<usize>)| {
+            let (rest, last) = self.limb.drive(*drive).range();
+            (rest.min(last), rest.max(last))
+        };
+        let ranges: Vec<(f64, f64)> = self.groups.iter().map(range).collect();
+        // What a group has left towards both ends of its range, as a share of it.
+        let left = planned.iter().zip(values.iter()).zip(&ranges).map(|((planned, value), (low, high))| {
+            let wanted = (planned + value).clamp(*low, *high);
+            [low - wanted, high - wanted].map(|left| left / (gain * (high - low)))
+        });
+        let shares = step(self.columns, &left.collect::<Vec<_>>(), error);
+        for (((value, share), (low, high)), planned) in values.iter_mut().zip(&shares).zip(&ranges).zip(planned) {
+            let wanted = planned + *value + gain * share * (high - low);
+            // Rounding takes nothing out of its range.
+            *value = wanted.clamp(*low, *high) - planned;
+        }
+    }
+}
+
 /// Channels that are corrected alike, with their drive: single ones of extending actuators under weight, else those of a drive.
 pub(crate) fn groups(limb: &Limb, weighed: bool) -> Vec<(usize, Range<usize>)> {
     let of_drive = |(index, drive): (usize, Drive<'_>)| {
@@ -39,7 +70,7 @@ pub(crate) fn columns(
 
 /// The change of the setpoints, as shares of their ranges, that takes an error of the tip away, m; within what is left of each. A group
 /// at the end of what is left stays there, and the others do what they can.
-pub(crate) fn step(columns: &[Vector3<f64>], left: &[[f64; 2]], error: &Vector3<f64>) -> Vec<f64> {
+fn step(columns: &[Vector3<f64>], left: &[[f64; 2]], error: &Vector3<f64>) -> Vec<f64> {
     let mut shares = vec![None; columns.len()];
     loop {
         let done = columns.iter().zip(&shares).filter_map(|(column, share)| Some(column * share.as_ref().copied()?));

@@ -117,7 +117,7 @@ fn ball_in_the_way_of_a_limb_that_bends_too_far_stops_it() {
     assert!((0.1..1.0).contains(&contact.force_n), "{contact:?}");
     let table = report::summary(&stopped).table();
     assert!(table.contains(&format!("contact  with ball from {:.2} s on, at most", contact.first_s)), "{table}");
-    assert!(report::html(&stopped).contains("An obstacle stopped the limb: contact with ball from"));
+    assert!(report::html(&stopped).contains("The limb touched an obstacle: contact with ball from"));
 }
 
 /// The limb that hangs, with fast valves and its first move in a second, on an elastic body of its nominal parameters.

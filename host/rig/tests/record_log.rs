@@ -55,6 +55,14 @@ fn run_reads_back_exactly() {
     run.shapes[1].achieved = None;
     run.bodies[1].nearest = None;
     run.bodies[2].tip_unloaded_m = None;
+    run.info.feedback = true;
+    run.contacts = vec![record::ContactRecord {
+        obstacle: "rim".into(),
+        force_n: 0.1 + 0.2,
+        time_s: 1.0,
+        first_s: 0.5,
+        carried: true,
+    }];
     run.info.scene_name = "größe \"x\"".into();
     write(&run, &path);
     let read = record::read(&path).unwrap();
@@ -68,6 +76,7 @@ fn run_reads_back_exactly() {
     assert_eq!(read.shapes, run.shapes);
     assert_eq!(read.bodies, run.bodies);
     assert_eq!((read.faults, read.link, read.wall_s), (run.faults, run.link, run.wall_s));
+    assert_eq!(read.contacts, run.contacts);
     assert_eq!(read.incomplete, None);
 }
 

@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 
 use super::score::{SETTLING_S, errors_m, pause_s};
 use crate::camera::Camera;
-use crate::correction::{columns, groups, step};
+use crate::correction::{Columns, columns, groups};
 use crate::record::Sample;
 use crate::run::Prepared;
 use softlimb_limb::Limb;
@@ -89,8 +89,8 @@ impl<'a> Learner<'a> {
         self.corrections
     }
 
-    /// Updates the corrections by a run with the present ones; gives the observed error at rest, RMS, m.
-    pub(super) fn update(&mut self, samples: &[Sample]) -> f64 {
+    /// Updates the corrections by a run with the present ones; gives the observed error at rest, RMS, m, or `None` where the camera saw no tip at rest.
+    pub(super) fn update(&mut self, samples: &[Sample]) -> Option<f64> {
         self.iterations += 1;
         let end_s = self.plan.duration_us() as f64 * 1e-6;
         let errors = errors_m(samples, end_s);
@@ -101,7 +101,10 @@ impl<'a> Learner<'a> {
         let is_rest = |time_s: f64| rests.iter().any(|(begin, end)| time_s > begin + SETTLING_S && time_s <= *end);
         let seen = observations.iter().filter(|(time_s, _)| is_rest(*time_s)).map(|(_, error)| error.norm_squared());
         let (sum, count) = seen.fold((0.0, 0), |(sum, count), square| (sum + square, count + 1));
-        let observed_m = (sum / f64::from(count.max(1))).sqrt();
+        if count == 0 {
+            return None;
+        }
+        let observed_m = (sum / f64::from(count)).sqrt();
         let mut errors = self.errors(&observations);
         match &self.best {
             Some(best) if observed_m > WORSE * best.observed_m => {
@@ -115,7 +118,7 @@ impl<'a> Learner<'a> {
             }
         }
         self.correct(&errors);
-        observed_m
+        Some(observed_m)
     }
 
     /// The error at each instant, m, such that straight lines between them fit the observations of a pause by least squares; of a move the mean
@@ -146,25 +149,14 @@ impl<'a> Learner<'a> {
 
     fn correct(&mut self, errors: &[Option<Vector3<f64>>]) {
         let gain = self.caution / f64::from(self.iterations.saturating_sub(FULL - 1).max(1));
-        let ranges: Vec<(f64, f64)> = self.groups.iter().map(|(drive, _)| self.limb.drive(*drive).range()).collect();
         for (index, error) in errors.iter().enumerate().filter_map(|(index, error)| Some((index, (*error)?))) {
             let time_us = self.corrections.times_s[index] * 1e6;
             let planned = self.plan.values_at(time_us);
             let planned: Vec<f64> = self.groups.iter().map(|(drive, _)| planned[*drive]).collect();
             let row = &mut self.corrections.rows[index];
             let mut values: Vec<f64> = self.groups.iter().map(|(_, channels)| row[channels.start]).collect();
-            // What a group has left towards both ends of its range, as a share of it.
-            let left = planned.iter().zip(values.iter()).zip(&ranges).map(|((planned, value), (rest, last))| {
-                let (low, high) = (rest.min(*last), rest.max(*last));
-                let wanted = (planned + value).clamp(low, high);
-                [low - wanted, high - wanted].map(|left| left / (gain * (high - low)))
-            });
-            let shares = step(&self.columns[index], &left.collect::<Vec<_>>(), &error);
-            for (((value, share), (rest, last)), planned) in values.iter_mut().zip(&shares).zip(&ranges).zip(&planned) {
-                let wanted = planned + *value + gain * share * (last - rest).abs();
-                // Rounding takes nothing out of its range.
-                *value = wanted.clamp(rest.min(*last), rest.max(*last)) - planned;
-            }
+            let columns = Columns { limb: self.limb, groups: &self.groups, columns: &self.columns[index] };
+            columns.correct(&planned, &mut values, &error, gain);
             for ((_, channels), value) in self.groups.iter().zip(values) {
                 row[channels.clone()].fill(value);
             }

@@ -35,8 +35,8 @@ pub struct Settings {
     pub iterations: u32,
     /// Runs of each evaluation.
     pub runs: NonZero<u32>,
-    /// Standard deviation of each coordinate in one observation of the camera, m; >= 0. The scene's `[camera]` states the rest; without it the camera
-    /// observes whenever the device reports.
+    /// Standard deviation of each coordinate in one observation of the camera, m; >= 0. In learning, the scene's `[camera]` states the rest; without it
+    /// the camera observes whenever the device reports.
     pub camera_noise_m: f64,
 }
 
@@ -65,6 +65,11 @@ pub enum LearningError {
     /// No phase rests long enough to be evaluated.
     #[error("no phase rests at its goal: in one of them `hold` must be at least {:.1} s", score::REST_S)]
     NoTarget,
+    /// The camera did not see the tip while the limb rested.
+    #[error(
+        "in a run the camera has no image with a tip while the limb rests: `period` or `drop_outs` of `[camera]` is too large"
+    )]
+    Unseen,
     /// The limb fell.
     #[error("{time_s:.2} s into a run the limb has no equilibrium under its weight and payload")]
     Fell {
@@ -91,7 +96,8 @@ pub fn learn(scene: &Scene, settings: &Settings) -> Result<Outcome, LearningErro
     Ok(Outcome { by_model, corrected, corrections: learner.into_corrections(), observed_m, inverse_m })
 }
 
-/// Evaluates a scene as `run` runs it: with its own corrections, and with feedback if it has any.
+/// Evaluates a scene as `run` runs it: with its own corrections, and with feedback by its own camera if it has any. Of the settings only limb, noise and
+/// runs count.
 ///
 /// # Errors
 /// As [`learn`].
@@ -116,7 +122,7 @@ fn iterate<'a, 's>(
     let mut corrected = model.corrected(learner.corrections())?;
     let mut observed_m = Vec::new();
     for noise in noises.take(settings.iterations as usize) {
-        observed_m.push(learner.update(&samples(&corrected, settings, noise)?));
+        observed_m.push(learner.update(&samples(&corrected, settings, noise)?).ok_or(LearningError::Unseen)?);
         corrected = model.corrected(learner.corrections())?;
     }
     Ok((learner, corrected, observed_m))

@@ -295,6 +295,8 @@ pub struct ContactRecord {
     pub time_s: f64,
     /// Time of the first sample with a contact, s.
     pub first_s: f64,
+    /// Whether the carried object alone touched it.
+    pub carried: bool,
 }
 
 /// How one target was met by hand.

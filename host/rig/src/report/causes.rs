@@ -16,9 +16,9 @@ pub(super) const TOLERANCE: f64 = 0.03;
 pub(super) struct Causes {
     /// Achieved from the setpoint; `None` if the limb was not observed.
     pub(super) total_m: Option<f64>,
-    /// Of the model at the achieved pressures from the setpoint.
-    pub(super) pressure_m: f64,
-    /// Of the limb from that model, at the same pressures; without weight where the setpoints do not compensate it.
+    /// Of the model at the achieved pressures from the setpoint; `None` with feedback, whose corrections take the model away from the setpoint.
+    pub(super) pressure_m: Option<f64>,
+    /// Of the limb from that model, at the same pressures; without weight where the setpoints do not compensate it; `None` with feedback, too.
     pub(super) model_m: Option<f64>,
     /// Of the limb from itself without weight, where the setpoints do not compensate it.
     pub(super) sag_m: Option<f64>,
@@ -33,9 +33,14 @@ pub(super) enum Cause {
 }
 
 impl Causes {
+    /// The error without its causes.
+    fn unsplit(self) -> Self {
+        Self { pressure_m: None, model_m: None, sag_m: None, ..self }
+    }
+
     /// The known causes, the largest first.
     pub(super) fn sorted(&self) -> Vec<(Cause, f64)> {
-        let parts = [(Cause::Pressure, Some(self.pressure_m)), (Cause::Model, self.model_m), (Cause::Sag, self.sag_m)];
+        let parts = [(Cause::Pressure, self.pressure_m), (Cause::Model, self.model_m), (Cause::Sag, self.sag_m)];
         let known = parts.into_iter().filter_map(|(cause, part)| Some((cause, part?)));
         let mut known: Vec<_> = known.filter(|(_, part)| part.is_finite()).collect();
         known.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -80,6 +85,7 @@ pub(super) fn outcomes(log: &RunLog) -> Vec<Outcome<'_>> {
     let length_m = length_m(log);
     let outcome = |phase| {
         let (tip, place_m) = at_end(log, phase).unzip();
+        let tip = if log.info.feedback { tip.map(Causes::unsplit) } else { tip };
         let goal = goal(log, phase, (tip.and_then(|tip| tip.total_m), place_m.flatten()), length_m);
         let swing_m = swing::seen_m(log, phase).filter(|_| tip.is_some());
         Outcome { phase, tip, goal, nearest: nearest(log, phase), swing_m }
@@ -130,7 +136,7 @@ pub(super) fn at(sample: &Sample, body: Option<&Body>) -> Causes {
 fn causes(set: [f64; 3], modelled: [f64; 3], achieved: Option<[f64; 3]>, unloaded: Option<[f64; 3]>) -> Causes {
     Causes {
         total_m: achieved.map(|achieved| distance(achieved, set)),
-        pressure_m: distance(modelled, set),
+        pressure_m: Some(distance(modelled, set)),
         model_m: unloaded.or(achieved).map(|free| distance(free, modelled)),
         sag_m: achieved.zip(unloaded).map(|(achieved, unloaded)| distance(achieved, unloaded)),
     }
@@ -198,10 +204,10 @@ mod tests {
         let [set, modelled] = [[0.0; 3], [3.0, 0.0, 0.0]];
         let (unloaded, achieved) = ([3.0, 4.0, 0.0], [3.0, 4.0, 12.0]);
         let split = causes(set, modelled, Some(achieved), Some(unloaded));
-        assert_eq!(split, Causes { total_m: Some(13.0), pressure_m: 3.0, model_m: Some(4.0), sag_m: Some(12.0) });
+        assert_eq!(split, Causes { total_m: Some(13.0), pressure_m: Some(3.0), model_m: Some(4.0), sag_m: Some(12.0) });
         assert_eq!(split.sorted(), [(Cause::Sag, 12.0), (Cause::Model, 4.0), (Cause::Pressure, 3.0)]);
         let compensated = causes(set, modelled, Some([3.0, 4.0, 0.0]), None);
-        assert_eq!(compensated, Causes { total_m: Some(5.0), pressure_m: 3.0, model_m: Some(4.0), sag_m: None });
+        assert_eq!(compensated, Causes { total_m: Some(5.0), pressure_m: Some(3.0), model_m: Some(4.0), sag_m: None });
         let unseen = causes(set, modelled, None, None);
         assert_eq!((unseen.total_m, unseen.model_m, unseen.sorted()), (None, None, vec![(Cause::Pressure, 3.0)]));
     }

@@ -76,7 +76,8 @@ pub(super) fn errors(summary: &Summary) -> Vec<ErrorRow> {
     let across = tip.across_m.map(|error| row("tip position across the plane of the plan, mm", Some(error), 1e3));
     let seen = |row: ErrorRow| summary.is_observed().then_some(row);
     let mut rows = Vec::from_iter(seen(row("tip position, mm", tip.error_m, 1e3)));
-    rows.push(row("tip position by pressure tracking alone, mm", tip.tracking_error_m, 1e3));
+    let tracking = tip.tracking_error_m;
+    rows.extend(tracking.map(|error| row("tip position by pressure tracking alone, mm", Some(error), 1e3)));
     rows.extend(across.into_iter().chain(at_holds));
     rows.push(row("pressure, sensor - reference, kPa", summary.pressure.measured_error_pa, 1e-3));
     rows.extend(seen(row("pressure, chamber - reference, kPa", summary.pressure.true_error_pa, 1e-3)));
@@ -153,8 +154,11 @@ pub(super) fn peak(summary: &Summary) -> Option<String> {
 
 /// An obstacle that stopped the limb.
 pub(super) fn contact(contact: &ContactRecord) -> String {
-    let ContactRecord { obstacle, force_n, time_s, first_s } = contact;
-    format!("with {obstacle} from {first_s:.2} s on, at most {force_n:.1} N at {time_s:.2} s")
+    let ContactRecord { obstacle, force_n, time_s, first_s, carried } = contact;
+    let what = if *carried { " of the object" } else { "" };
+    format!("{what} with {obstacle} from {first_s:.2} s on, at most {force_n:.1} N at {time_s:.2} s")
+        .trim_start()
+        .to_owned()
 }
 
 /// Device states in order, each with the time from which it held.

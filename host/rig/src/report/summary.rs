@@ -208,6 +208,10 @@ fn schedule(info: &RunInfo) -> Option<(f64, f64)> {
 }
 
 fn misses(info: &RunInfo, samples: &[&Sample]) -> Vec<Miss> {
+    if info.feedback {
+        // It may take model and limb away from a module's planned value, to bring the tip to the plan.
+        return Vec::new();
+    }
     let ends = info.phases.iter().filter_map(|phase| {
         let last = samples.iter().rposition(|sample| sample.time_s <= phase.end_s() + 1e-6)?;
         // A run that was stopped before has not missed this phase.
@@ -282,7 +286,7 @@ fn tip(log: &RunLog, samples: &[&Sample]) -> TipSummary {
     TipSummary {
         final_error_m: samples.last().and_then(error),
         error_m: ErrorStats::of(samples.iter().filter_map(error)),
-        tracking_error_m: ErrorStats::of(samples.iter().map(tracking)),
+        tracking_error_m: ErrorStats::of(samples.iter().map(tracking).filter(|_| !log.info.feedback)),
         at_holds_m: super::tip::at_holds_m(log),
         across_m: super::tip::across_m(log, samples),
     }

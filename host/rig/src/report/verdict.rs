@@ -6,6 +6,9 @@ use super::summary::scheduled;
 use super::{Miss, Summary, rows};
 use crate::record::{NearestInfo, RunLog};
 
+/// Depth in a surface with contact that is not told, m.
+const GIVES_M: f64 = 0.1e-3;
+
 /// The answers in sentences.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Verdict {
@@ -63,11 +66,8 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
         let parts: Vec<_> = causes.sorted().into_iter().map(|(cause, part_m)| because(cause, part_m)).collect();
         let vectors = if parts.len() > 1 { "; they add as vectors" } else { "" };
         let name = &outcome.phase.name;
-        format!(
-            "Farthest from its setpoint at the end of a phase: {} at {name}, {}{vectors}.",
-            mm(total_m),
-            parts.join(", ")
-        )
+        let causes: String = parts.iter().map(|part| format!(", {part}")).collect();
+        format!("Farthest from its setpoint at the end of a phase: {} at {name}{causes}{vectors}.", mm(total_m))
     });
     let until = if summary.faults.is_empty() { "then" } else { "the first fault" };
     let before = largest_before(log, summary).filter(|_| unfinished.is_some());
@@ -78,8 +78,8 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
     let clearance = clearance_of(log, &outcomes);
     let is_close = clearance.as_ref().is_some_and(|card| card.alarming);
     let is_deep = least(&outcomes).is_some_and(|nearest| nearest.distance_m <= 0.0);
-    let clearance = clearance.map(|card| match (log.contacts.is_empty(), is_deep) {
-        (false, _) => format!("An obstacle stopped the limb: contact {}.", card.detail),
+    let clearance = clearance.map(|card| match (log.contacts.iter().all(|contact| contact.carried), is_deep) {
+        (false, _) => format!("The limb touched an obstacle: contact {}.", card.detail),
         (true, true) => format!("The limb touched an obstacle: {}.", card.detail),
         (true, false) => format!("Least clearance of the run: {} {}.", card.value, card.detail),
     });
@@ -266,10 +266,18 @@ fn clearance_of(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
     let beside = beside.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(", ");
     let beside = if beside.is_empty() { beside } else { format!("; {beside}") };
     let place = format!("{} at {:.2} s", seen.obstacle, seen.time_s);
-    // Obstacles stop such a limb: it is no deeper in them than their surface gives.
-    let pressed = log.contacts.iter().max_by(|a, b| a.force_n.total_cmp(&b.force_n));
-    let (value, detail) = match (pressed, seen.distance_m <= 0.0) {
-        (Some(pressed), _) => ("contact".to_owned(), format!("{}{beside}", rows::contact(pressed))),
+    // An object stands on what it is taken from and put on: that is no alarm.
+    let limb = log.contacts.iter().filter(|contact| !contact.carried);
+    let pressed = limb.max_by(|a, b| a.force_n.total_cmp(&b.force_n));
+    // A surface that stops the limb gives a little; between two places with contact the limb may be deeper.
+    let gives_m = if log.contacts.is_empty() { 0.0 } else { GIVES_M };
+    let is_deep = seen.distance_m <= -gives_m;
+    let (value, detail) = match (pressed, is_deep) {
+        (Some(pressed), false) => ("contact".to_owned(), format!("{}{beside}", rows::contact(pressed))),
+        (Some(pressed), true) => {
+            let deep = format!("{} deep in {place}", mm(-seen.distance_m));
+            ("contact".to_owned(), format!("{}; {deep}{beside}", rows::contact(pressed)))
+        }
         (None, true) => ("contact".to_owned(), format!("{} deep in {place}{beside}", mm(-seen.distance_m))),
         (None, false) => (mm(seen.distance_m), format!("from {place}{beside}")),
     };
@@ -351,7 +359,7 @@ pub(super) fn phases(log: &RunLog) -> Vec<PhaseRow> {
                 (None, Some(_)) => "",
             },
             error: part(tip.and_then(|tip| tip.total_m)),
-            pressure: part(tip.map(|tip| tip.pressure_m)),
+            pressure: part(tip.and_then(|tip| tip.pressure_m)),
             model: part(tip.and_then(|tip| tip.model_m)),
             sag: part(tip.and_then(|tip| tip.sag_m)),
             swing: part(outcome.swing_m),

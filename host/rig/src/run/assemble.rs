@@ -62,7 +62,7 @@ enum TrueLimb<'a> {
 /// Observations of the limb when a message comes.
 pub(super) struct Seen {
     pub(super) sample: Sample,
-    /// The camera's look; `None` without a camera.
+    /// What the camera has; `None` without a camera.
     pub(super) frame: Option<Frame>,
     pub(super) shape: Option<Shape>,
     pub(super) body: Option<Body>,
@@ -86,7 +86,7 @@ impl<'a> Assembler<'a> {
         let weighed = tier.map(|tier| Nominal::new(scene, limb, tier));
         let true_limb = match plant.plant().truth {
             scene::TrueLimb::Body(effects) => {
-                TrueLimb::Body(Box::new(Bodied::new((plant, simulated), effects, seed, laws)))
+                TrueLimb::Body(Box::new(Bodied::new(scene, (plant, simulated), effects, seed, laws)))
             }
             scene::TrueLimb::Simple => {
                 Hanging::new(scene, (plant, simulated)).map_or(TrueLimb::Free, TrueLimb::Hanging)
@@ -154,7 +154,7 @@ impl<'a> Assembler<'a> {
                 let held = |grasp: &mut Grasp| grasp.carried_kg(time_us, payload_kg, truth.gripper_closure);
                 let (carried_kg, lost) = self.grasp.as_mut().map_or((payload_kg, None), held);
                 // An object leaves the tip with its mass.
-                let object = self.reference.object_at(time_us).filter(|_| carried_kg > 0.0);
+                let object = self.reference.gripped_at(time_us).filter(|_| carried_kg > 0.0);
                 let (hung, faults) = true_limb.at((time_us, carried_kg, object), truth, states);
                 (Some(hung), lost.into_iter().chain(faults).collect())
             }

@@ -36,6 +36,8 @@ const TWIST_RAD: f64 = 0.4;
 const STEP_S: f64 = 5e-3;
 /// Least distance of two balls with which a rigid part touches obstacles, m.
 const LEAST_BALL_M: f64 = 5e-3;
+/// Least force of a contact that is told, N.
+const LEAST_N: f64 = 0.01;
 /// Beams of a tube between plates without spacers, at least.
 const LONE_BEAMS: usize = 4;
 
@@ -121,6 +123,7 @@ fn scaled(mut springs: Stiffness, by: f64) -> Stiffness {
 
 /// A true body in a run.
 pub(super) struct Bodied<'a> {
+    scene: &'a Scene,
     plant: &'a Scene,
     limb: &'a Limb,
     effects: BodyEffects,
@@ -148,9 +151,16 @@ impl Solid for Obstacle {
 }
 
 impl<'a> Bodied<'a> {
-    pub(super) fn new((plant, limb): (&'a Scene, &'a Limb), effects: BodyEffects, seed: u64, laws: Laws) -> Self {
+    /// The limb of `plant` among the obstacles of `scene`, with its objects.
+    pub(super) fn new(
+        scene: &'a Scene,
+        (plant, limb): (&'a Scene, &'a Limb),
+        effects: BodyEffects,
+        seed: u64,
+        laws: Laws,
+    ) -> Self {
         let (body, highest_pa, touched) = (None, Vec::new(), BTreeMap::new());
-        Self { plant, limb, effects, seed, laws, body, highest_pa, last_us: 0, lost: false, touched }
+        Self { scene, plant, limb, effects, seed, laws, body, highest_pa, last_us: 0, lost: false, touched }
     }
 
     /// Obstacles that stopped the limb so far.
@@ -210,11 +220,14 @@ impl<'a> Bodied<'a> {
         let pressures_pa: Vec<f64> = truth.channels.iter().map(|channel| channel.pressure_pa.max(0.0)).collect();
         let payload_kg = if self.has_weight() { payload_kg } else { 0.0 };
         let falls = |_: Fallen| "the limb falls: it has no stable equilibrium near the last one".to_owned();
-        if begins && object.is_some() && self.effects.contact {
+        let span_s = if begins && object.is_some() && self.effects.contact {
             // An object is grasped by a limb that has its shape.
             body.carry(None);
             body.settle(&pressures_pa, 0.0, span_s).map_err(falls)?;
-        }
+            0.0
+        } else {
+            span_s
+        };
         body.carry(object.map(|index| self.hanging(index)));
         if rests {
             body.settle(&pressures_pa, payload_kg, span_s).map_err(falls)?;
@@ -228,7 +241,7 @@ impl<'a> Bodied<'a> {
 
     /// An object of the scene, from the tip that holds it.
     fn hanging(&self, object: usize) -> Hanging {
-        let object = &self.plant.objects()[object];
+        let object = &self.scene.objects()[object];
         Hanging { above_m: object.height_m - object.grasp_m, below_m: object.grasp_m, radius_m: object.radius_m }
     }
 
@@ -236,9 +249,14 @@ impl<'a> Bodied<'a> {
         let time_s = time_us as f64 * 1e-6;
         for contact in body.contacts() {
             let force_n = Vector3::from(contact.force_n).norm();
-            let obstacle = || self.plant.obstacles()[contact.solid].name.value.clone();
-            let new = || ContactRecord { obstacle: obstacle(), force_n, time_s, first_s: time_s };
+            if force_n < LEAST_N {
+                continue;
+            }
+            let carried = contact.carried;
+            let obstacle = || self.scene.obstacles()[contact.solid].name.value.clone();
+            let new = || ContactRecord { obstacle: obstacle(), force_n, time_s, first_s: time_s, carried };
             let known = self.touched.entry(contact.solid).or_insert_with(new);
+            known.carried &= carried;
             if force_n > known.force_n {
                 (known.force_n, known.time_s) = (force_n, time_s);
             }
@@ -310,7 +328,7 @@ impl<'a> Bodied<'a> {
         if contact {
             let solid =
                 |obstacle: &softlimb_scene::Obstacle| -> Arc<dyn Solid> { Arc::new(Obstacle(obstacle.shape.clone())) };
-            body.surround(self.plant.obstacles().iter().map(solid).collect(), balls);
+            body.surround(self.scene.obstacles().iter().map(solid).collect(), balls);
         }
         Ok(body)
     }

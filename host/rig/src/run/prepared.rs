@@ -8,7 +8,7 @@ use softlimb_sim::{Processor, SimSettings, SimulatedMcu, here};
 use super::RunError;
 use super::assemble::{Assembler, phase_infos, run_info};
 use super::bodied::Laws;
-use super::feedback::{Frame, Task, follow};
+use super::feedback::{Frame, Settings, Task, follow};
 use super::observed::Observed;
 use super::recording::Bench;
 use super::reference::Planned;
@@ -66,8 +66,8 @@ pub(crate) struct Prepared<'a> {
     configuration: DeviceConfiguration,
     sent: Sent,
     sampling: Option<Sampling>,
-    /// Latency of the images that correct the setpoints, s; `None` where none do.
-    feedback: Option<f64>,
+    /// Settings of feedback; `None` without.
+    feedback: Option<Settings>,
     laws: Laws,
 }
 
@@ -75,7 +75,7 @@ impl<'a> Prepared<'a> {
     /// A plan of a scene with the scene's corrections, checked that a device can follow.
     pub(super) fn planned(scene: &'a Scene, limb: Limb, plan: Plan) -> Result<Self, RunError> {
         let sent = motion::sent(scene, &limb, &plan)?;
-        let feedback = scene.camera().filter(|camera| camera.feedback).map(|camera| camera.latency_s);
+        let feedback = Settings::of(scene, &limb, &plan)?;
         Ok(Self { feedback, ..Self::sending(scene, limb, plan, sent)? })
     }
 
@@ -175,7 +175,7 @@ impl<'a> Prepared<'a> {
             .observed_by(self.scene.camera().map(|camera| Camera::new(*camera, noise, seed)))
     }
 
-    /// Streams the setpoints to a device, corrected by a camera's images if the scene asks for it. `on_event` gives the camera's look at a report.
+    /// Streams the setpoints to a device, corrected by a camera's images if the scene asks for it. `on_event` gives what the camera has at a report.
     pub(super) fn stream<D: Transport>(
         &self,
         device: &mut D,
@@ -185,14 +185,14 @@ impl<'a> Prepared<'a> {
         let options = stream_options(&self.configuration, &self.limb, session, cancel);
         let options = StreamOptions { sampling: self.sampling, ..options };
         let Self { scene, limb, plan, sent, .. } = self;
-        let Some(latency_s) = self.feedback else {
+        let Some(settings) = &self.feedback else {
             let knots = wire_knots(plan, sent);
             return link::stream(device, &self.configuration, &knots, &options, |device, event| {
                 on_event(device, event);
             });
         };
-        let task = Task { scene, limb, plan, sent };
-        follow(device, (&self.configuration, &options), task, latency_s, on_event)
+        let task = Task { scene, limb, plan, sent, settings };
+        follow(device, (&self.configuration, &options), task, on_event)
     }
 
     /// Runs on a simulated device and keeps the samples in memory: `parts` is the seed of what the limb is, `noise` of what differs from

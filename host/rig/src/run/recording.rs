@@ -171,7 +171,7 @@ pub(super) struct Recording<'a> {
     body: Option<Body>,
     /// Its frames then.
     posture: Option<Posture>,
-    /// The camera's latest look.
+    /// What the camera had at the latest report.
     frame: Option<Frame>,
     /// How the targets were met by hand.
     pub(super) targets: Vec<TargetRecord>,
@@ -236,7 +236,7 @@ impl<'a> Recording<'a> {
         self.body.take()
     }
 
-    /// The camera's look since the last call.
+    /// What the camera has had since the last call.
     pub(super) fn take_frame(&mut self) -> Option<Frame> {
         self.frame.take()
     }

@@ -27,6 +27,11 @@ pub(super) trait Reference {
     fn object_at(&self, _time_us: u64) -> Option<usize> {
         None
     }
+
+    /// The object in the gripper, also while it changes hands and something else bears a part of it: its index in the scene.
+    fn gripped_at(&self, _time_us: u64) -> Option<usize> {
+        None
+    }
 }
 
 /// A plan of a scene's limb.
@@ -39,6 +44,13 @@ pub(super) struct Planned<'a> {
 impl<'a> Planned<'a> {
     pub(super) fn new(scene: &Scene, limb: &'a Limb, plan: &'a Plan) -> Self {
         Self { limb, plan, carried: carried(scene.phases()) }
+    }
+
+    /// Whether the limb holds, and what the tip carries in the phase of a time, us.
+    fn at(&self, time_us: u64) -> Option<(bool, &Carried)> {
+        let index = self.plan.phases.iter().rposition(|phase| phase.start_us <= time_us)?;
+        let phase = &self.plan.phases[index];
+        Some((time_us > phase.start_us + phase.move_us, self.carried.get(index)?))
     }
 }
 
@@ -64,8 +76,13 @@ impl Reference for Planned<'_> {
     }
 
     fn object_at(&self, time_us: u64) -> Option<usize> {
-        let index = self.plan.phases.iter().rposition(|phase| phase.start_us <= time_us)?;
-        let (phase, carried) = (&self.plan.phases[index], self.carried.get(index)?);
-        if time_us > phase.start_us + phase.move_us { carried.held_object() } else { carried.moved.object }
+        let (holds, carried) = self.at(time_us)?;
+        if holds { carried.held_object() } else { carried.moved.object }
+    }
+
+    fn gripped_at(&self, time_us: u64) -> Option<usize> {
+        let (holds, carried) = self.at(time_us)?;
+        let held = carried.held.object.filter(|_| holds);
+        carried.moved.object.or(held)
     }
 }

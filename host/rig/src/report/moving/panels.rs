@@ -106,9 +106,14 @@ impl Filled<'_> {
         };
         let seen = log.samples.iter().any(|sample| sample.tip_achieved_m.is_some());
         let sags = log.bodies.iter().any(|body| body.tip_unloaded_m.is_some());
-        self.sample("by_pressure", MM, move |sample| of(sample, |parts| Some(parts.pressure_m)));
-        let mut traces = vec![sample_trace("pressure", "by_pressure", "line", 1)];
-        if sags {
+        let mut traces = Vec::new();
+        // With feedback the model is not meant to be at the setpoint.
+        let splits = !log.info.feedback;
+        if splits {
+            self.sample("by_pressure", MM, move |sample| of(sample, |parts| parts.pressure_m));
+            traces.push(sample_trace("pressure", "by_pressure", "line", 1));
+        }
+        if splits && sags {
             let of_body = |body: &Body, value: fn(&causes::Causes) -> Option<f64>| {
                 let nearest = nearest_sample(log, body.time_s);
                 let parts = nearest.map(|sample| causes::at(sample, Some(body)));
@@ -118,7 +123,7 @@ impl Filled<'_> {
             self.body("by_sag", MM, |body| of_body(body, |parts| parts.sag_m));
             traces.push(body_trace("model", "by_model", "line", 2));
             traces.push(body_trace("sag", "by_sag", "line", 3));
-        } else if seen {
+        } else if splits && seen {
             self.sample("by_model", MM, move |sample| of(sample, |parts| parts.model_m));
             traces.push(sample_trace("model", "by_model", "line", 2));
         }
@@ -126,7 +131,8 @@ impl Filled<'_> {
             self.sample("error", MM, move |sample| of(sample, |parts| parts.total_m));
             traces.push(sample_trace("error", "error", "line", 0));
         }
-        self.panel("Error of the tip", "Tip error and its causes", "distance, mm".into(), true, traces);
+        let title = if splits { "Tip error and its causes" } else { "Tip error" };
+        self.panel("Error of the tip", title, "distance, mm".into(), true, traces);
     }
 
     fn clearance(&mut self) {
