@@ -5,10 +5,10 @@ use softlimb_numerics::Random;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
-/// Streams of the images' noise, of the calibration's error and of the images without a tip: the plant's are below 2^34.
-const NOISE: u64 = 1 << 34;
-const OFFSET: u64 = NOISE + 1;
-const DROP_OUTS: u64 = NOISE + 2;
+/// Streams of the images' noise, of the calibration's error and of the images without a tip. The plant draws its limb from streams below 2^34.
+const NOISE: u64 = 1;
+const OFFSET: u64 = 1 << 34;
+const DROP_OUTS: u64 = OFFSET + 1;
 
 /// Largest part of a period by which an image may come early: reports of a device are not exactly periodic.
 const EARLY: f64 = 0.05;

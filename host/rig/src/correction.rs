@@ -19,24 +19,23 @@ pub(crate) struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    /// Changes the corrections of setpoints, one a group, so that a share `gain` of an error of the tip, m, goes away; setpoints end with their range.
-    pub(crate) fn correct(&self, planned: &[f64], values: &mut [f64], error: &Vector3<f64>, gain: f64) {
-        let range = |(drive, _): &(usize, Range<usize>)| {
-            let (rest, last) = self.limb.drive(*drive).range();
-            (rest.min(last), rest.max(last))
-        };
-        let ranges: Vec<(f64, f64)> = self.groups.iter().map(range).collect();
+    /// Changes of the corrections of setpoints, one a group, with which a share `gain` of an error of the tip, m, goes away; setpoints end with
+    /// their range.
+    pub(crate) fn changes(&self, planned: &[f64], values: &[f64], error: &Vector3<f64>, gain: f64) -> Vec<f64> {
+        let ranges: Vec<(f64, f64)> = self.groups.iter().map(|(drive, _)| self.range(*drive)).collect();
         // What a group has left towards both ends of its range, as a share of it.
-        let left = planned.iter().zip(values.iter()).zip(&ranges).map(|((planned, value), (low, high))| {
+        let left = planned.iter().zip(values).zip(&ranges).map(|((planned, value), (low, high))| {
             let wanted = (planned + value).clamp(*low, *high);
             [low - wanted, high - wanted].map(|left| left / (gain * (high - low)))
         });
         let shares = step(self.columns, &left.collect::<Vec<_>>(), error);
-        for (((value, share), (low, high)), planned) in values.iter_mut().zip(&shares).zip(&ranges).zip(planned) {
-            let wanted = planned + *value + gain * share * (high - low);
-            // Rounding takes nothing out of its range.
-            *value = wanted.clamp(*low, *high) - planned;
-        }
+        shares.iter().zip(&ranges).map(|(share, (low, high))| gain * share * (high - low)).collect()
+    }
+
+    /// Least and largest setpoint of a drive.
+    pub(crate) fn range(&self, drive: usize) -> (f64, f64) {
+        let (rest, last) = self.limb.drive(drive).range();
+        (rest.min(last), rest.max(last))
     }
 }
 

@@ -156,7 +156,14 @@ impl<'a> Learner<'a> {
             let row = &mut self.corrections.rows[index];
             let mut values: Vec<f64> = self.groups.iter().map(|(_, channels)| row[channels.start]).collect();
             let columns = Columns { limb: self.limb, groups: &self.groups, columns: &self.columns[index] };
-            columns.correct(&planned, &mut values, &error, gain);
+            let changes = columns.changes(&planned, &values, &error, gain);
+            for ((value, change), (planned, (drive, _))) in
+                values.iter_mut().zip(changes).zip(planned.iter().zip(&self.groups))
+            {
+                // Rounding takes nothing out of its range.
+                let (low, high) = columns.range(*drive);
+                *value = (planned + *value + change).clamp(low, high) - planned;
+            }
             for ((_, channels), value) in self.groups.iter().zip(values) {
                 row[channels.clone()].fill(value);
             }

@@ -37,8 +37,10 @@ const POSE_US: u64 = 200_000;
 pub(super) struct Settings {
     /// Time from an image to its position, s.
     latency_s: f64,
-    /// Angular frequencies of the two slowest vibrations in each phase, 1/s, until the end of the move and after it; none where they are not predicted.
-    modes: Vec<[[f64; 2]; 2]>,
+    /// Angular frequencies of the two slowest vibrations at the end of each move, 1/s; none where they are not predicted.
+    modes: Vec<[f64; 2]>,
+    /// The slowest of all, also at the ends of holds, 1/s; infinity without any.
+    slowest: f64,
 }
 
 impl Settings {
@@ -50,15 +52,16 @@ impl Settings {
         let Some(camera) = scene.camera().filter(|camera| camera.feedback) else { return Ok(None) };
         let angular = |vibrations: &Vibrations| vibrations.frequency_hz.map(|hz| TAU * hz);
         let swings = motion::swings(scene, limb, plan)?;
-        let modes = swings.iter().map(|swing| [&swing.moved, swing.held.as_ref().unwrap_or(&swing.moved)].map(angular));
-        Ok(Some(Self { latency_s: camera.latency_s, modes: modes.collect() }))
+        let all = swings.iter().flat_map(|swing| std::iter::once(&swing.moved).chain(&swing.held));
+        let slowest = all.map(|vibrations| angular(vibrations)[0]).fold(f64::INFINITY, f64::min);
+        let modes = swings.iter().map(|swing| angular(&swing.moved)).collect();
+        Ok(Some(Self { latency_s: camera.latency_s, modes, slowest }))
     }
 
     /// Rate at which the error is taken away, 1/s.
     fn gain_per_s(&self) -> f64 {
         let delay_s = self.latency_s + link::START_US as f64 * 1e-6;
-        let slowest = self.modes.iter().flatten().map(|mode| mode[0]).fold(f64::INFINITY, f64::min);
-        (GAIN_OF_DELAY / delay_s).min(GAIN_OF_MODE * slowest)
+        (GAIN_OF_DELAY / delay_s).min(GAIN_OF_MODE * self.slowest)
     }
 }
 
@@ -168,13 +171,10 @@ impl<'a> Feedback<'a> {
         let span_s = (time_s - self.last_s).max(0.0);
         self.last_s = time_s;
         let mut error = tip_m - Vector3::from(plan.tip_m(limb, time_us));
-        if let Some(index) = plan.phases.iter().rposition(|phase| phase.start_us as f64 <= time_us)
-            && let Some(modes) = settings.modes.get(index)
-        {
-            let phase = &plan.phases[index];
-            let holds = time_us > (phase.start_us + phase.move_us) as f64;
-            for (notch, mode) in self.notches.iter_mut().zip(modes[usize::from(holds)]) {
-                error = notch.passed(error, mode, span_s);
+        let phase = plan.phases.iter().rposition(|phase| phase.start_us as f64 <= time_us);
+        if let Some(modes) = phase.and_then(|phase| settings.modes.get(phase)) {
+            for (notch, mode) in self.notches.iter_mut().zip(modes) {
+                error = notch.passed(error, *mode, span_s);
             }
         }
         let gain = settings.gain_per_s() * span_s.min(LONGEST_S);
@@ -191,7 +191,9 @@ impl<'a> Feedback<'a> {
         let setpoints = sent.values_at(time_us);
         let setpoints: Vec<f64> = self.groups.iter().map(|(_, channels)| setpoints[channels.start]).collect();
         let columns = Columns { limb, groups: &self.groups, columns };
-        columns.correct(&setpoints, &mut self.values, &error, gain);
+        let changes = columns.changes(&setpoints, &self.values, &error, gain);
+        // A correction that goes beyond a range is sent up to its end, and kept for when the plan leaves it.
+        self.values.iter_mut().zip(changes).for_each(|(value, change)| *value += change);
     }
 
     /// Setpoints of a time of the plan, us, on the wire.
@@ -314,7 +316,7 @@ mod tests {
     /// 20 ms, from an error of one.
     fn left(notched: bool) -> f64 {
         let (mode, damping, span_s) = (TAU, 0.025, 1e-3);
-        let settings = Settings { latency_s: 0.03, modes: vec![[[mode; 2]; 2]] };
+        let settings = Settings { latency_s: 0.03, modes: Vec::new(), slowest: mode };
         let (mut notch, mut setpoint, mut place, mut speed, mut most) = (Notch::default(), 0.0, 0.0, 0.0, 0.0_f64);
         let mut sent = VecDeque::from(vec![0.0; 170]);
         for index in 0..60_000 {
