@@ -120,6 +120,26 @@ fn ball_in_the_way_of_a_limb_that_bends_too_far_stops_it() {
     assert!(report::html(&stopped).contains("The limb touched an obstacle: contact with ball from"));
 }
 
+#[test]
+fn bottle_stands_on_its_table_until_it_is_lifted() {
+    let path = format!("{}/../../scenes/pick-and-place-a.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    // The first phase alone: it ends with the bottle, grasped 120 mm above its foot, at a height of 830 mm.
+    let phases: Vec<usize> = text.match_indices("[[phase]]").map(|(at, _)| at).collect();
+    let pick = text[..phases[1]].to_owned() + &text[text.find("[limits]").unwrap()..];
+    let pick = pick.replace("clearance = \"5 mm\"", "clearance = \"0 mm\"");
+    let table = "[[obstacle]]\nname = \"table\"\nshape = \"box\"\ncenter = [0.74, 0, 0.7]\nsize = [0.2, 0.3, 0.02]\n";
+    let text = format!("{pick}\n[camera]\nfeedback = true\n{table}[plant.truth]\nlimb = \"body\"\n{ELASTIC}");
+    let log = ran(&scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("{}", error.render(false))));
+    let [contact] = &log.contacts[..] else { panic!("{:?}", log.contacts) };
+    // It bears some of the 5.9 N of the bottle, which the limb takes over during the hold.
+    assert!(contact.carried && contact.obstacle == "table" && (0.01..5.9).contains(&contact.force_n), "{contact:?}");
+    assert!(contact.first_s > 9.0, "{contact:?}");
+    let html = report::html(&log);
+    assert!(html.contains("contact of the object with table") || html.contains("Contact of the object with table"));
+    assert!(!html.contains("The limb touched an obstacle"));
+}
+
 /// The limb that hangs, with fast valves and its first move in a second, on an elastic body of its nominal parameters.
 fn hanging(truth: &str, tables: &str) -> Scene {
     let path = format!("{}/../../scenes/loaded/carry-hanging.toml", env!("CARGO_MANIFEST_DIR"));
