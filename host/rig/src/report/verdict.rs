@@ -77,7 +77,7 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
         before.map(|most_m| format!("Until {until} the tip was at most {} off its setpoint{last}.", mm(most_m)));
     let clearance = clearance_of(log, &outcomes);
     let is_close = clearance.as_ref().is_some_and(|card| card.alarming);
-    let is_deep = least(&outcomes).is_some_and(|nearest| is_deep(log, &nearest));
+    let is_deep = least(&outcomes).is_some_and(|nearest| is_deep(log, nearest));
     let clearance = clearance.map(|card| match (log.contacts.iter().all(|contact| contact.carried), is_deep) {
         (false, _) => format!("The limb touched an obstacle: contact {}.", card.detail),
         (true, true) => format!("The limb touched an obstacle: {}.", card.detail),
@@ -269,7 +269,7 @@ fn clearance_of(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
     // An object stands on what it is taken from and put on: that is no alarm.
     let limb = log.contacts.iter().filter(|contact| !contact.carried);
     let pressed = limb.max_by(|a, b| a.force_n.total_cmp(&b.force_n));
-    let (value, detail) = match (pressed, is_deep(log, &seen)) {
+    let (value, detail) = match (pressed, is_deep(log, seen)) {
         (Some(pressed), false) => ("contact".to_owned(), format!("{}{beside}", rows::contact(pressed))),
         (Some(pressed), true) => {
             let deep = format!("{} deep in {place}", mm(-seen.distance_m));
