@@ -94,7 +94,7 @@ fn ball_in_the_way_of_a_limb_that_bends_too_far_stops_it() {
     let far = [0.0, 1.0, 0.0];
     let free = overbent(far, "contact = false\n");
     let rounding_m = apart_m(&free, &overbent(far, ""));
-    assert!(rounding_m < 1e-12, "a far ball changes nothing: {rounding_m}");
+    assert!(rounding_m < 1e-13, "a far ball changes nothing: {rounding_m}");
     assert!(free.contacts.is_empty());
     // At the end of the last hold.
     let last = free.samples.iter().rev().find(|sample| sample.time_s < 7.4).unwrap();
@@ -109,12 +109,12 @@ fn ball_in_the_way_of_a_limb_that_bends_too_far_stops_it() {
     };
     assert_eq!([&through, &stopped].map(|log| log.info.truth.as_deref()), [Some("body"), Some("body + contact")]);
     assert!(through.contacts.is_empty() && least_m(&through) < -20e-3, "{} m", least_m(&through));
-    assert!(least_m(&stopped).abs() < 0.1e-3, "{} m", least_m(&stopped));
+    assert!(least_m(&stopped).abs() < 1e-5, "{} m", least_m(&stopped));
     // The limb moves up to its last goal from 5 to 6.5 s, and holds it to 7.5 s.
     let [contact] = &stopped.contacts[..] else { panic!("{:?}", stopped.contacts) };
     assert_eq!(contact.obstacle, "ball");
     assert!((5.0..6.5).contains(&contact.first_s) && (contact.first_s..7.6).contains(&contact.time_s), "{contact:?}");
-    assert!((0.1..1.0).contains(&contact.force_n), "{contact:?}");
+    assert!((0.2..0.3).contains(&contact.force_n), "{contact:?}");
     let table = report::summary(&stopped).table();
     assert!(table.contains(&format!("contact  with ball from {:.2} s on, at most", contact.first_s)), "{table}");
     assert!(report::html(&stopped).contains("The limb touched an obstacle: contact with ball from"));

@@ -96,8 +96,7 @@ pub fn learn(scene: &Scene, settings: &Settings) -> Result<Outcome, LearningErro
     Ok(Outcome { by_model, corrected, corrections: learner.into_corrections(), observed_m, inverse_m })
 }
 
-/// Evaluates a scene as `run` runs it: with its own corrections, and with feedback by its own camera if it has any. Of the settings only limb, noise and
-/// runs count.
+/// Evaluates runs of a scene with its own corrections and, if it asks for it, with feedback. Of the settings, only `limb`, `noise` and `runs` are used.
 ///
 /// # Errors
 /// As [`learn`].

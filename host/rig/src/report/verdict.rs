@@ -6,7 +6,7 @@ use super::summary::scheduled;
 use super::{Miss, Summary, rows};
 use crate::record::{NearestInfo, RunLog};
 
-/// Depth in a surface with contact that is not told, m.
+/// Largest depth in a surface, m, that counts as its compliance.
 const GIVES_M: f64 = 0.1e-3;
 
 /// The answers in sentences.
@@ -266,7 +266,7 @@ fn clearance_of(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
     let beside = beside.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(", ");
     let beside = if beside.is_empty() { beside } else { format!("; {beside}") };
     let place = format!("{} at {:.2} s", seen.obstacle, seen.time_s);
-    // An object stands on what it is taken from and put on: that is no alarm.
+    // A carried object may touch its support when it is picked up and put down. Contact of the limb itself raises the alarm.
     let limb = log.contacts.iter().filter(|contact| !contact.carried);
     let pressed = limb.max_by(|a, b| a.force_n.total_cmp(&b.force_n));
     let (value, detail) = match (pressed, is_deep(log, seen)) {

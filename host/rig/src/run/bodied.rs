@@ -36,7 +36,7 @@ const TWIST_RAD: f64 = 0.4;
 const STEP_S: f64 = 5e-3;
 /// Least distance of two balls with which a rigid part touches obstacles, m.
 const LEAST_BALL_M: f64 = 5e-3;
-/// Least force of a contact that is told, N.
+/// Smallest contact force that is reported, N.
 const LEAST_N: f64 = 0.01;
 /// Beams of a tube between plates without spacers, at least.
 const LONE_BEAMS: usize = 4;

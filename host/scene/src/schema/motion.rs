@@ -66,12 +66,12 @@ section! {
 }
 
 section! {
-    /// A camera that observes the tip of the simulated limb, in `run` and in `learn`. It takes an image at a report of the device, a `period` after the
-    /// last image at the earliest, with a margin of 5 %.
+    /// A camera that observes the tip of the simulated limb, in `run` and in `learn`. It takes images when the device reports, at intervals of at
+    /// least 95 % of `period`.
     camera, "[camera]";
-    FEEDBACK: Flag { name: "feedback", presence: Default(false) } = "Whether a run corrects its setpoints by the images while it goes on. `learn` does not. A device behind a port has no camera: such a run is refused.";
-    PERIOD: Quantity { name: "period", unit: Unit::MS, min: 1.0, max: 1000.0, presence: Default(20.0) } = "Least time between two images.";
-    LATENCY: Quantity { name: "latency", unit: Unit::MS, min: 0.0, max: 1000.0, presence: Default(30.0) } = "Age at which the position of an image arrives; it comes with the next report of the device.";
+    FEEDBACK: Flag { name: "feedback", presence: Default(false) } = "Whether a run corrects its setpoints by the images while it goes on. Runs of `learn` are not corrected in this way. A device behind a port has no camera: such a run is refused.";
+    PERIOD: Quantity { name: "period", unit: Unit::MS, min: 1.0, max: 1000.0, presence: Default(20.0) } = "Interval of the images.";
+    LATENCY: Quantity { name: "latency", unit: Unit::MS, min: 0.0, max: 1000.0, presence: Default(30.0) } = "Delay from an image to its position, which arrives with the first report of the device after that delay.";
     NOISE: Quantity { name: "noise", unit: Unit::MM, min: 0.0, max: 100.0, presence: Default(0.2) } = "Standard deviation of a coordinate in one image. `--camera` replaces it in `learn`.";
     OFFSET: Quantity { name: "offset", unit: Unit::MM, min: 0.0, max: 100.0, presence: Default(0.2) } = "Standard deviation of the calibration's error in a coordinate: drawn once, by the seed of the limb.";
     DROP_OUTS: Quantity { name: "drop_outs", unit: Unit::PERCENT, min: 0.0, max: 95.0, presence: Default(0.0) } = "Share of the images in which the tip is not found.";

@@ -90,6 +90,6 @@ section! {
     CREEP: Flag { name: "creep", presence: Default(true) } = "Creep over minutes, and damping.";
     SOFTENING: Flag { name: "softening", presence: Default(true) } = "Walls that soften in their first cycles.";
     ASSEMBLY: Flag { name: "assembly", presence: Default(true) } = "Tolerances of tubes on their plates, of connectors and of the base.";
-    CONTACT: Flag { name: "contact", presence: Default(true) } = "Obstacles stop the limb and what it carries, with friction. Without, it passes through them.";
+    CONTACT: Flag { name: "contact", presence: Default(true) } = "Obstacles stop the limb and what it carries, with friction. With `false` it passes through them.";
     SWING: Flag { name: "swing", presence: Default(false) } = "Inertia of the limb and what it carries: it swings after a move. The tubes then damp also without `creep`.";
 }
