@@ -101,11 +101,12 @@ fn all(tally: &mut Tally, options: Options) {
     }
 }
 
-/// Tests that keep time by this computer's clock: they run after all others, one program at a time.
-const IN_REAL_TIME: [(&str, &str); 4] = [
+/// Tests that keep time by this computer's clock, as devices and frames of a browser do: they run after all others, one program at a time.
+const IN_REAL_TIME: [(&str, &str); 5] = [
     ("host/tests/main.rs", "cli::device::"),
     ("host/tests/main.rs", "cli::jog::"),
     ("host/rig/tests/main.rs", "port::"),
+    ("host/rig/tests/main.rs", "report_browser::"),
     ("tests/emulated.rs", "wire::"),
 ];
 

@@ -13,7 +13,7 @@ from checks import CONTRAST, SCHEMES, TEXTS, WIDTHS, asked, launched
 from playwright.sync_api import sync_playwright
 
 # Time after which a browser that hangs ends the test, s.
-LIMIT_S = 300
+LIMIT_S = 240
 # Browsers that are begun in all: Chromium 156 sometimes draws one frame a second, and goes on so until it ends.
 BROWSERS = 4
 # Milliseconds that three frames take.
@@ -74,6 +74,10 @@ class Reader:
     def expect(self, is_right, text):
         if not is_right:
             self.complain(text)
+
+    def begins(self, step):
+        """The last step that is named is the one in which a browser hangs."""
+        print(f"{self.name}: {step}", file=sys.stderr, flush=True)
 
     def open(self, file):
         self.page.goto(file.resolve().as_uri())
@@ -240,11 +244,15 @@ def read(page, file, pictures, must_keep_pace):
         for step in (reader.slider_moves_the_limb, reader.hover_shows_values, reader.keyboard_works, reader.drag_zooms_all):
             if must_keep_pace:
                 reader.keep_pace()
+            reader.begins(step.__name__)
             step()
         if must_keep_pace:
             reader.keep_pace()
+        reader.begins("looks")
         reader.looks(pictures)
+        reader.begins("print")
         reader.print(pictures)
+        reader.begins("updates")
         figures = page.evaluate(UPDATES)
         print(f"{file.stem}: {file.stat().st_size} bytes, {figures['rows']} rows; ms, median and 95 %: script {figures['script']}, frame {figures['frame']}")
     except SlowBrowser:
