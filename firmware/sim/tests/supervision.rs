@@ -2,7 +2,7 @@
 
 use crate::common::{Host, SESSION, settings};
 use crate::samples::samples;
-use softlimb_plant::{MotionSettings, PartFault, Spread, Supply};
+use softlimb_plant::{MotionSettings, PartFault, PlantSettings, Spread, Supply};
 use softlimb_protocol::*;
 use softlimb_sim::SimSettings;
 
@@ -34,14 +34,8 @@ struct Told {
     host: Host,
 }
 
-/// Runs a reference for `end_s` on a plant, and breaks a part at a time.
-fn run(
-    settings: &SimSettings,
-    reference_pa: &dyn Fn(f64) -> f64,
-    end_s: f64,
-    fault: Option<(PartFault, usize, f64)>,
-) -> Told {
-    let mut host = Host::new(settings);
+/// Runs a reference for `end_s`, and breaks a part at a time.
+fn run(mut host: Host, reference_pa: &dyn Fn(f64) -> f64, end_s: f64, fault: Option<(PartFault, usize, f64)>) -> Told {
     host.get_ready(CHANNELS, SetpointKind::Pressure);
     let start_us = host.mcu.device_time_us() + 100_000;
     let end = (end_s * 1e6) as u64 / KNOT_US;
@@ -119,7 +113,7 @@ fn every_part_that_breaks_is_noticed_before_it_hurts() {
     for (name, codes, phases) in matrix() {
         let part = PartFault::named(name).expect("a name");
         for ((phase, at_s), channel) in PHASES.into_iter().flat_map(|phase| (0..CHANNELS).map(move |c| (phase, c))) {
-            let told = run(&plant(7 + channel as u64), &reference_pa, END_S, Some((part, channel, at_s)));
+            let told = run(Host::new(&plant(7 + channel as u64)), &reference_pa, END_S, Some((part, channel, at_s)));
             let peak_pa = told.host.mcu.peak_chamber_pa().into_iter().fold(0.0, f64::max);
             let (code, after_s) =
                 told.first.map_or(("-".into(), f64::NAN), |(code, _, time_s)| (format!("{code:?}"), time_s - at_s));
@@ -132,6 +126,34 @@ fn every_part_that_breaks_is_noticed_before_it_hurts() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// Plain loops have no balance of the air: they vent what a fill valve that stays open lets in, and name another cause late or none.
+#[test]
+fn plain_loops_keep_chambers_below_the_limit_and_do_not_name_the_valve() {
+    use FaultCode::{OverPressure, SensorFrozen, SupplyLow};
+    let open = PartFault::FillStuckOpen;
+    for pressure_loop in [PressureLoopKind::ProportionalIntegral, PressureLoopKind::OnOff] {
+        for ((phase, at_s), channel) in PHASES.into_iter().flat_map(|phase| (0..CHANNELS).map(move |c| (phase, c))) {
+            let on = |settings: SimSettings| {
+                let mut host = Host::new(&settings);
+                host.system.pressure_loop = pressure_loop.into();
+                let told = run(host, &reference_pa, END_S, Some((open, channel, at_s)));
+                let peak_pa = told.host.mcu.peak_chamber_pa().into_iter().fold(0.0, f64::max);
+                assert!(peak_pa < LIMIT_PA + 5e3, "{pressure_loop:?} {phase} {channel}: {peak_pa:.0} Pa");
+                told.first.map(|(code, of, _)| (code, of))
+            };
+            let settings = plant(7 + channel as u64);
+            assert_eq!(on(settings.clone()), Some((SupplyLow, SYSTEM_CHANNEL)), "{pressure_loop:?} {phase} {channel}");
+            let supply = Supply::Regulated { pressure_pa: 200e3 };
+            let told = on(SimSettings { plant: PlantSettings { supply, ..settings.plant }, ..settings });
+            let of_channel = told.filter(|(_, of)| usize::from(*of) == channel).map(|(code, _)| code);
+            assert!(
+                told.is_none() || matches!(of_channel, Some(OverPressure | SensorFrozen)),
+                "{pressure_loop:?} {phase} {channel}: {told:?}"
+            );
+        }
+    }
 }
 
 /// 720 plants of 120 s are 24 h of a limb, the tenth of them 2.4 h.
@@ -160,7 +182,7 @@ fn sound_plants_raise_no_fault() {
             let moved_s = 12.0 * (time_s / 16.0).floor() + (time_s % 16.0).min(12.0);
             70e3 + 40e3 * (0.7 * moved_s + turn).sin() + 25e3 * ((1.5 + turn % 3.0) * moved_s + 2.0 * turn).sin()
         };
-        let told = run(&settings, &reference, 120.0, None);
+        let told = run(Host::new(&settings), &reference, 120.0, None);
         assert_eq!(told.all, [], "seed {seed}");
     }
 }

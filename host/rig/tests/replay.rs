@@ -4,10 +4,11 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use softlimb_protocol::{
-    Decoder, DeviceMessage, DeviceState, Frame, HostMessage, MAX_FRAME_LEN, Message, Telemetry, encode_frame,
+    Batch, BootCause, Decoder, DeviceMessage, DeviceState, FaultCode, Frame, HostMessage, LogCondition, LogKind,
+    LogRecord, LogRecords, LogState, MAX_FRAME_LEN, Message, SYSTEM_CHANNEL, Telemetry, encode_frame,
 };
 use softlimb_rig::link::LinkFaults;
-use softlimb_rig::record::{Capture, Direction, read_capture};
+use softlimb_rig::record::{Capture, Direction, WireBytes, read_capture};
 use softlimb_rig::replay::{Replay, ReplayError, replay};
 use softlimb_rig::run::{Mcu, RunFiles, RunOptions, run};
 use softlimb_scene::parse;
@@ -119,6 +120,38 @@ fn rerun_gives_every_coil_and_every_message_of_the_log() {
         assert_eq!((replay.ticks, replay.ticks_compared), (capture.ticks.len() as u64, capture.ticks.len() as u64));
         assert_eq!((replay.messages, replay.messages_missing), (messages, 0));
     }
+}
+
+#[test]
+fn stored_records_of_the_device_are_passed_over() {
+    let mut capture = captured(None);
+    let rerun = replay(&capture).unwrap();
+    let records = [(LogKind::Boot, BootCause::PowerOn as u8), (LogKind::Fault, FaultCode::OverPressure as u8)];
+    let records = records.map(|(kind, code)| LogRecord {
+        number: 7,
+        start: 3,
+        kind: kind.into(),
+        code,
+        channel: SYSTEM_CHANNEL,
+        detail: 0,
+        time_us: 5,
+    });
+    let mut batch = Batch::default();
+    records.iter().for_each(|record| batch.push(record).unwrap());
+    let state = LogState { condition: LogCondition::Kept.into(), next: 9, until: 9, unstored: 0, records: 2 };
+    let stored: [DeviceMessage; 2] = [LogRecords { records: batch }.into(), state.into()];
+    // After the first bytes of the device, which are its answer to the Hello.
+    let place = capture.wire.iter().position(|wire| wire.direction == Direction::ToHost).unwrap() + 1;
+    let mut bytes = Vec::new();
+    for (seq, message) in (0..).zip(&stored) {
+        let mut frame = [0; MAX_FRAME_LEN];
+        let length = encode_frame(message, seq, &mut frame).unwrap();
+        bytes.extend_from_slice(&frame[..length]);
+    }
+    let wire = WireBytes { bytes, ..capture.wire[place - 1].clone() };
+    capture.wire.insert(place, wire);
+    assert_eq!(messages::<DeviceMessage>(&capture, Direction::ToHost)[2..4], stored);
+    assert_eq!(replay(&capture).unwrap(), rerun);
 }
 
 #[test]

@@ -38,6 +38,8 @@ pub struct Host<P = Here> {
     pub heard: Vec<(u64, DeviceMessage)>,
     /// All bytes of the device.
     pub bytes: Vec<u8>,
+    /// Configuration of the whole device.
+    pub system: ConfigSystem,
     decoder: Decoder<DeviceMessage>,
     seq: u16,
 }
@@ -50,7 +52,8 @@ impl Host {
 
 impl<P: Processor> Host<P> {
     pub fn on(mcu: SimulatedMcu<P>) -> Self {
-        Self { mcu, heard: Vec::new(), bytes: Vec::new(), decoder: Decoder::new(), seq: 0 }
+        let (heard, bytes) = (Vec::new(), Vec::new());
+        Self { mcu, heard, bytes, system: system(), decoder: Decoder::new(), seq: 0 }
     }
 
     pub fn send(&mut self, message: impl Into<HostMessage>) {
@@ -115,9 +118,9 @@ impl<P: Processor> Host<P> {
         self.demand(Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: SESSION });
         let begin = ConfigBegin { session: SESSION, channels: channels as u8 };
         let mut hash = ConfigHash::begin(&begin);
-        hash.add_system(&system());
+        hash.add_system(&self.system);
         self.demand(begin);
-        self.demand(system());
+        self.demand(self.system.clone());
         for channel in 0..channels {
             for part in tables::parts(&config_channel(channel, kind), &mut hash) {
                 self.demand(part);
