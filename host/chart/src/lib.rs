@@ -19,6 +19,8 @@ pub enum Color {
     Ink,
     /// For what stays in the background.
     Faint,
+    /// As the grid, for lines that stand in its place.
+    Grid,
     /// First of the distinguishable colors.
     First,
     /// Second of the distinguishable colors.
@@ -42,6 +44,7 @@ impl Color {
         match self {
             Self::Ink => "ink",
             Self::Faint => "faint",
+            Self::Grid => "grid",
             Self::First => "c1",
             Self::Second => "c2",
             Self::Third => "c3",
