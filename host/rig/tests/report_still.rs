@@ -227,6 +227,7 @@ fn views_of_obstacles_are_a_pair_a_phase_to_one_scale() {
     // The limb at its nearest is drawn where it is known when that is: in one phase, from two sides.
     assert_eq!(views.iter().filter(|svg| svg.contains("planned, nearest")).count(), 2);
     assert!(page.contains("12.0 mm from post"), "the table says how near");
+    assert!(views.iter().all(|svg| svg.contains(">post</text>")), "the obstacle has its name");
     let scales: Vec<f64> =
         views.iter().flat_map(|svg| [scale(svg, "tick-x", "x"), scale(svg, "tick-y", "y")]).collect();
     assert!(scales.iter().all(|other| (other / scales[0] - 1.0).abs() < 2e-3), "{scales:?}");

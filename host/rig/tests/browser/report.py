@@ -117,6 +117,14 @@ class Reader:
         self.move_slider(0)
         self.expect(self.picture() == seen[0][0], "the same time gives another picture")
 
+    def solids_have_names(self):
+        names = self.page.evaluate("JSON.parse(document.querySelector('#run').textContent).space.solids.map((solid) => solid.name)")
+        shown = self.page.evaluate("window.report.view.named")
+        self.expect(set(names) <= {one["name"] for one in shown}, f"names in space: {shown}, of {names}")
+        for index, one in enumerate(shown):
+            over = [other["name"] for other in shown[:index] if abs(one["x"] - other["x"]) < one["half"] + other["half"] - 8 and abs(one["y"] - other["y"]) < 12]
+            self.expect(not over, f"the name {one['name']} lies over {over}")
+
     def hover_shows_values(self):
         panel = self.page.locator(".panel").first
         panel.scroll_into_view_if_needed()
@@ -241,7 +249,7 @@ def read(page, file, pictures, must_keep_pace):
     reader = Reader(page, file.stem)
     try:
         reader.open(file)
-        for step in (reader.slider_moves_the_limb, reader.hover_shows_values, reader.keyboard_works, reader.drag_zooms_all):
+        for step in (reader.slider_moves_the_limb, reader.solids_have_names, reader.hover_shows_values, reader.keyboard_works, reader.drag_zooms_all):
             if must_keep_pace:
                 reader.keep_pace()
             reader.begins(step.__name__)
