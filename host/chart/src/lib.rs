@@ -59,6 +59,8 @@ impl Color {
 pub enum Stroke {
     /// Measurements.
     Solid,
+    /// Measurements under others of about the same values: their edges stay in sight. The number of lines above this one.
+    Nested(u8),
     /// Set points.
     Dashed,
     /// Predictions of a model.
@@ -84,7 +86,7 @@ impl Stroke {
     /// Class name in the style sheet.
     fn class(self) -> &'static str {
         match self {
-            Self::Solid => "solid",
+            Self::Solid | Self::Nested(_) => "solid",
             Self::Dashed => "dashed",
             Self::Dotted => "dotted",
             Self::Dots => "dots",

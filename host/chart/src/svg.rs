@@ -14,6 +14,8 @@ const RIGHT: f64 = 14.0;
 const BOTTOM: f64 = 40.0;
 /// Height of the heading, of one row of the legend, and of the band names, px.
 const ROW: f64 = 18.0;
+/// Width of the uppermost line of several on each other, and their difference in width, px.
+const NESTED: [f64; 2] = [1.5, 2.0];
 /// Width of a letter at the size of the legend, px: a generous guess, as no font is
 /// measured.
 const LETTER: f64 = 6.8;
@@ -290,9 +292,15 @@ impl Frame {
             }
         }
         if !path.is_empty() {
-            let _ = writeln!(svg, "<path class=\"{}\" d=\"{path}\"/>", classes(series));
+            let _ = writeln!(svg, "<path class=\"{}\"{} d=\"{path}\"/>", classes(series), width(series));
         }
     }
+}
+
+/// The width of a line as an attribute, where it is not that of the style sheet.
+fn width(series: &Series) -> String {
+    let Stroke::Nested(above) = series.stroke else { return String::new() };
+    format!(" style=\"stroke-width:{}\"", NESTED[0] + NESTED[1] * f64::from(above))
 }
 
 fn is_mark(stroke: Stroke) -> bool {
@@ -361,7 +369,8 @@ fn draw_legend(svg: &mut String, rows: &[Vec<&Series>], left: f64) {
             } else if let Stroke::Cells { .. } = entry.stroke {
                 let _ = writeln!(svg, "<path class=\"{}\" d=\"M{x:.1} {:.1}h22v-11h-22z\"/>", classes(entry), y + 1.0);
             } else {
-                let _ = writeln!(svg, "<path class=\"{}\" d=\"M{x:.1} {:.1}h22\"/>", classes(entry), y - 3.5);
+                let (classes, width) = (classes(entry), width(entry));
+                let _ = writeln!(svg, "<path class=\"{classes}\"{width} d=\"M{x:.1} {:.1}h22\"/>", y - 3.5);
             }
             let _ = writeln!(
                 svg,

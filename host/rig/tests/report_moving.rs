@@ -180,6 +180,26 @@ fn columns_of_phases_without_content_are_left_out() {
 }
 
 #[test]
+fn lines_of_equal_pressures_leave_each_other_in_sight() {
+    let page = html(&synthetic_run::run());
+    let described: Value = serde_json::from_str(inert(&page, "run")).unwrap();
+    let panels = described["panels"].as_array().unwrap().iter().filter(|panel| panel["section"] == "Pressures");
+    let mut seen = 0;
+    for panel in panels {
+        let traces = panel["traces"].as_array().unwrap();
+        for style in ["setpoint", "line"] {
+            let drawn = traces.iter().filter(|trace| trace["style"] == style);
+            let widths: Vec<f64> = drawn.map(|trace| trace["width"].as_f64().unwrap()).collect();
+            assert_eq!(widths.len(), 3, "channels of a module");
+            // Later lines lie on earlier ones: half a pixel of these stays in sight on both sides at least.
+            assert!(widths.windows(2).all(|pair| pair[0] - pair[1] >= 1.0), "{widths:?}");
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 6);
+}
+
+#[test]
 fn text_from_outside_is_escaped() {
     let mut run = synthetic_run::run();
     let plain = own(&html(&run)).matches("<script").count();

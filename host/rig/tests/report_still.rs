@@ -258,3 +258,23 @@ fn lines_and_texts_have_the_contrast_of_aa_in_both_schemes() {
         }
     }
 }
+
+#[test]
+fn measured_pressures_are_nested_and_equal_references_are_one_line() {
+    let mut run = crate::synthetic_run::run();
+    for sample in &mut run.samples {
+        let reference_pa = sample.channels[0].reference_pa;
+        sample.channels[..3].iter_mut().for_each(|channel| channel.reference_pa = reference_pa);
+        sample.channels[4].reference_pa += 1e3;
+    }
+    let page = html(&run);
+    assert_sound(&page);
+    let charts = drawings(&page);
+    let of = |title: &str| charts.iter().find(|svg| svg.contains(&format!("aria-label=\"{title}"))).unwrap();
+    for (title, references) in [("proximal: pressures", 1), ("elbow: pressures", 3)] {
+        let widths = between(of(title), "stroke-width:", "\"");
+        // Three lines in the key and three in the chart, the widest first.
+        assert_eq!(widths, ["5.5", "3.5", "1.5", "5.5", "3.5", "1.5"], "{title}");
+        assert_eq!(of(title).matches(">reference").count(), references, "{title}");
+    }
+}
