@@ -19,6 +19,8 @@ pub enum Color {
     Ink,
     /// For what stays in the background.
     Faint,
+    /// As the grid, for lines that stand in its place.
+    Grid,
     /// First of the distinguishable colors.
     First,
     /// Second of the distinguishable colors.
@@ -42,6 +44,7 @@ impl Color {
         match self {
             Self::Ink => "ink",
             Self::Faint => "faint",
+            Self::Grid => "grid",
             Self::First => "c1",
             Self::Second => "c2",
             Self::Third => "c3",
@@ -56,6 +59,8 @@ impl Color {
 pub enum Stroke {
     /// Measurements.
     Solid,
+    /// Measurements under others of about the same values: their edges stay in sight. The number of lines above this one.
+    Nested(u8),
     /// Set points.
     Dashed,
     /// Predictions of a model.
@@ -81,7 +86,7 @@ impl Stroke {
     /// Class name in the style sheet.
     fn class(self) -> &'static str {
         match self {
-            Self::Solid => "solid",
+            Self::Solid | Self::Nested(_) => "solid",
             Self::Dashed => "dashed",
             Self::Dotted => "dotted",
             Self::Dots => "dots",

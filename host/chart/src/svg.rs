@@ -14,13 +14,20 @@ const RIGHT: f64 = 14.0;
 const BOTTOM: f64 = 40.0;
 /// Height of the heading, of one row of the legend, and of the band names, px.
 const ROW: f64 = 18.0;
+/// Width of the uppermost line of several on each other, and their difference in width, px.
+const NESTED: [f64; 2] = [1.5, 2.0];
 /// Width of a letter at the size of the legend, px: a generous guess, as no font is
 /// measured.
 const LETTER: f64 = 6.8;
 /// Length of the stroke in the legend with its margins, px.
 const SAMPLE: f64 = 40.0;
-/// Distance of a note from its point, and half the size of a mark, px.
-const ASIDE: f64 = 5.0;
+/// Distances of a note from its point, the preferred one first, px.
+const ASIDE: [f64; 5] = [5.0, 9.0, 16.0, 26.0, 40.0];
+/// Distance from which on a note has a line to its point, px.
+const LED: f64 = 16.0;
+/// Directions of a note from its point: across and down.
+const SIDES: [[f64; 2]; 8] =
+    [[1.0, -1.0], [1.0, 1.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, 0.0], [-1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
 
 impl Chart {
     /// The chart as an `svg` element of its own width that a page can stretch.
@@ -62,40 +69,31 @@ impl Chart {
         ROW * (1.0 + legend_rows as f64 + f64::from(u8::from(named))) + 6.0
     }
 
-    /// The notes, each beside its point: of the four places at its corners the one that covers the fewest other notes and marks.
+    /// The notes, each beside its point: at the nearest place that covers neither a mark nor another note.
     fn draw_notes(&self, svg: &mut String, frame: &Frame) {
         let is_finite = |point: &[f64; 2]| point.iter().all(|value| value.is_finite());
-        let marks = self.series.iter().filter(|series| is_mark(series.stroke)).flat_map(|series| &series.points);
-        let marks: Vec<[f64; 2]> = marks.map(|&point| frame.pixel(point)).filter(is_finite).collect();
-        let mut taken: Vec<[f64; 4]> = Vec::new();
-        for (note, [x, y]) in self.notes.iter().map(|note| (note, frame.pixel(note.at))) {
-            if !is_finite(&[x, y]) {
+        let marks = self.series.iter().filter(|series| is_mark(series.stroke));
+        let marks =
+            marks.flat_map(|series| series.points.iter().map(|&point| (frame.pixel(point), half(series.stroke))));
+        let marks: Vec<([f64; 2], f64)> = marks.filter(|(at, _)| is_finite(at)).collect();
+        let mut taken: Vec<Place> = Vec::new();
+        for (note, at) in self.notes.iter().map(|note| (note, frame.pixel(note.at))) {
+            if !is_finite(&at) {
                 continue;
             }
-            let width = text_width(&note.text);
-            let places = [(1.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (-1.0, 1.0)].map(|(across, down)| {
-                let left = if across > 0.0 { x + ASIDE } else { x - ASIDE - width };
-                let top = if down > 0.0 { y + 4.0 } else { y - 14.0 };
-                (across, [left, left + width, top, top + 11.0])
-            });
-            let cost = |[left, right, top, bottom]: [f64; 4]| {
-                let is_over =
-                    |other: &[f64; 4]| left < other[1] && other[0] < right && top < other[3] && other[2] < bottom;
-                let notes = taken.iter().filter(|other| is_over(other)).count();
-                let marks = marks.iter().filter(|[x, y]| is_over(&[x - 3.0, x + 3.0, y - 3.0, y + 3.0])).count();
+            let places = ASIDE.into_iter().flat_map(|far| SIDES.map(|side| Place::new(at, side, far, &note.text)));
+            let cost = |place: &Place| {
+                let Place { left, right, top, bottom, far, .. } = *place;
                 let is_outside =
                     left < frame.left || right > frame.right + RIGHT || top < frame.top - 14.0 || bottom > frame.bottom;
-                10_000 * usize::from(is_outside) + 100 * notes + marks
+                let notes = taken.iter().filter(|other| place.is_over(other)).count();
+                let covered = marks.iter().filter(|(at, half)| place.covers(*at, *half)).count();
+                let crossed = marks.iter().filter(|(mark, half)| place.leads_over(at, *mark, *half)).count();
+                1e6 * f64::from(u8::from(is_outside)) + 1e4 * (notes + covered) as f64 + 1e3 * crossed as f64 + far
             };
-            let Some((across, place)) = places.into_iter().min_by_key(|(_, place)| cost(*place)) else { continue };
+            let Some(place) = places.min_by(|a, b| cost(a).total_cmp(&cost(b))) else { continue };
+            place.draw(svg, at, &note.text);
             taken.push(place);
-            let (x, anchor) = if across > 0.0 { (place[0], "") } else { (place[1], " text-anchor=\"end\"") };
-            let _ = writeln!(
-                svg,
-                "<text class=\"note\" x=\"{x:.1}\" y=\"{:.1}\"{anchor}>{}</text>",
-                place[3] - 2.0,
-                escape(&note.text)
-            );
         }
     }
 
@@ -104,6 +102,64 @@ impl Chart {
         let Ticks::Names(names) = &self.y.ticks else { return LEFT };
         let label = if self.y.label.is_empty() { 0.0 } else { ROW };
         names.iter().map(|name| text_width(name) + 12.0 + label).fold(LEFT, f64::max)
+    }
+}
+
+/// A place of a note, px.
+struct Place {
+    left: f64,
+    right: f64,
+    top: f64,
+    bottom: f64,
+    /// Direction from the point, across.
+    across: f64,
+    /// Distance from the point.
+    far: f64,
+}
+
+impl Place {
+    fn new([x, y]: [f64; 2], [across, down]: [f64; 2], far: f64, text: &str) -> Self {
+        let width = text_width(text);
+        let left = x + across * far - 0.5 * (1.0 - across) * width;
+        let top = y - 5.5 + down * (far + 4.0);
+        Self { left, right: left + width, top, bottom: top + 11.0, across, far }
+    }
+
+    fn is_over(&self, other: &Self) -> bool {
+        self.left < other.right && other.left < self.right && self.top < other.bottom && other.top < self.bottom
+    }
+
+    /// Whether it covers a part of a mark.
+    fn covers(&self, [x, y]: [f64; 2], half: f64) -> bool {
+        self.left < x + half && x - half < self.right && self.top < y + half && y - half < self.bottom
+    }
+
+    /// The end of the line to its point: there is none nearby.
+    fn led(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        (self.far >= LED).then(|| [x.clamp(self.left, self.right), y.clamp(self.top, self.bottom)])
+    }
+
+    /// Whether the line to its point crosses another mark.
+    fn leads_over(&self, from: [f64; 2], mark: [f64; 2], half: f64) -> bool {
+        let Some(to) = self.led(from) else { return false };
+        let [along, aside] = [[to[0] - from[0], to[1] - from[1]], [mark[0] - from[0], mark[1] - from[1]]];
+        let share = (along[0] * aside[0] + along[1] * aside[1]) / (along[0].powi(2) + along[1].powi(2)).max(1e-9);
+        let share = share.clamp(0.0, 1.0);
+        let is_other = aside[0].hypot(aside[1]) > 1.0;
+        is_other && (aside[0] - share * along[0]).hypot(aside[1] - share * along[1]) < half
+    }
+
+    fn draw(&self, svg: &mut String, at: [f64; 2], text: &str) {
+        if let Some([x, y]) = self.led(at) {
+            let _ = writeln!(svg, "<path class=\"axis\" d=\"M{:.1} {:.1}L{x:.1} {y:.1}\"/>", at[0], at[1]);
+        }
+        let (x, anchor) = match self.across {
+            1.0 => (self.left, ""),
+            -1.0 => (self.right, " text-anchor=\"end\""),
+            _ => (0.5 * (self.left + self.right), " text-anchor=\"middle\""),
+        };
+        let y = self.bottom - 2.0;
+        let _ = writeln!(svg, "<text class=\"note\" x=\"{x:.1}\" y=\"{y:.1}\"{anchor}>{}</text>", escape(text));
     }
 }
 
@@ -236,13 +292,28 @@ impl Frame {
             }
         }
         if !path.is_empty() {
-            let _ = writeln!(svg, "<path class=\"{}\" d=\"{path}\"/>", classes(series));
+            let _ = writeln!(svg, "<path class=\"{}\"{} d=\"{path}\"/>", classes(series), width(series));
         }
     }
 }
 
+/// The width of a line as an attribute, where it is not that of the style sheet.
+fn width(series: &Series) -> String {
+    let Stroke::Nested(above) = series.stroke else { return String::new() };
+    format!(" style=\"stroke-width:{}\"", NESTED[0] + NESTED[1] * f64::from(above))
+}
+
 fn is_mark(stroke: Stroke) -> bool {
     matches!(stroke, Stroke::Dots | Stroke::Rings | Stroke::Crosses | Stroke::Squares)
+}
+
+/// Half the size of a mark with its stroke, px.
+fn half(stroke: Stroke) -> f64 {
+    match stroke {
+        Stroke::Rings => 6.1,
+        Stroke::Crosses | Stroke::Squares => 4.3,
+        _ => 3.5,
+    }
 }
 
 fn draw_mark(svg: &mut String, series: &Series, [x, y]: [f64; 2]) {
@@ -298,7 +369,8 @@ fn draw_legend(svg: &mut String, rows: &[Vec<&Series>], left: f64) {
             } else if let Stroke::Cells { .. } = entry.stroke {
                 let _ = writeln!(svg, "<path class=\"{}\" d=\"M{x:.1} {:.1}h22v-11h-22z\"/>", classes(entry), y + 1.0);
             } else {
-                let _ = writeln!(svg, "<path class=\"{}\" d=\"M{x:.1} {:.1}h22\"/>", classes(entry), y - 3.5);
+                let (classes, width) = (classes(entry), width(entry));
+                let _ = writeln!(svg, "<path class=\"{classes}\"{width} d=\"M{x:.1} {:.1}h22\"/>", y - 3.5);
             }
             let _ = writeln!(
                 svg,
@@ -330,4 +402,61 @@ pub(super) fn escape(text: &str) -> String {
         }
     }
     escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Attributes of the elements of a class that are written on lines of their own.
+    fn elements(svg: &str, class: &str, names: [&str; 2]) -> Vec<[f64; 2]> {
+        let value = |line: &str, name: &str| {
+            let (_, rest) = line.split_once(&format!(" {name}=\"")).expect("an attribute");
+            rest.split('"').next().and_then(|number| number.parse::<f64>().ok()).expect("a number")
+        };
+        let lines = svg.lines().filter(|line| line.contains(class));
+        lines.map(|line| names.map(|name| value(line, name))).collect()
+    }
+
+    /// A column of rings 13 px apart, each with a name.
+    #[test]
+    fn notes_cover_neither_marks_nor_each_other() {
+        let axis = |label: &str| Axis { label: label.into(), range: [0.0, 100.0], ticks: Ticks::Round };
+        let points: Vec<[f64; 2]> = (0..8).map(|row| [40.0, 20.0 + 6.5 * f64::from(row)]).collect();
+        let note = |&at: &[f64; 2]| crate::Note { at, text: "name".into() };
+        let chart = Chart {
+            title: String::new(),
+            area: [200.0, 200.0],
+            x: axis("x"),
+            y: axis("y"),
+            notes: points.iter().map(note).collect(),
+            series: vec![Series { label: String::new(), color: crate::Color::First, stroke: Stroke::Rings, points }],
+            bands: Vec::new(),
+            marks: Vec::new(),
+        };
+        let svg = chart.svg();
+        let rings = elements(&svg, "rings", ["cx", "cy"]);
+        let texts = svg.lines().filter(|line| line.contains("\"note\"")).map(|line| {
+            // Four letters of at most 7 px, from the base line to 9 px above it.
+            let [x, y] = elements(line, "note", ["x", "y"])[0];
+            let before = if line.contains("\"end\"") {
+                28.0
+            } else if line.contains("\"middle\"") {
+                14.0
+            } else {
+                0.0
+            };
+            [x - before, x - before + 28.0, y - 9.0, y]
+        });
+        let texts: Vec<[f64; 4]> = texts.collect();
+        assert_eq!((rings.len(), texts.len()), (8, 8));
+        for (index, [left, right, top, bottom]) in texts.iter().enumerate() {
+            let is_free =
+                |[x, y]: &[f64; 2]| x + 5.4 < *left || x - 5.4 > *right || y + 5.4 < *top || y - 5.4 > *bottom;
+            assert!(rings.iter().all(is_free), "{svg}");
+            let is_apart =
+                |other: &[f64; 4]| other[1] < *left || other[0] > *right || other[3] < *top || other[2] > *bottom;
+            assert!(texts[..index].iter().all(is_apart), "{svg}");
+        }
+    }
 }

@@ -278,7 +278,8 @@
     for (const button of by_id("moves").querySelectorAll("button")) button.disabled = !can_move();
     const faults = (view && view.faults) || [];
     const list = by_id("faults");
-    const texts = faults.length ? faults : ["none"];
+    // A session may stop without a fault of the device: its cause is the message.
+    const texts = faults.length ? faults : [view && view.message ? "none reported by the device" : "none"];
     if (list.dataset.texts !== texts.join("\n")) {
       list.dataset.texts = texts.join("\n");
       list.replaceChildren(...texts.map((text) => Object.assign(document.createElement("li"), { textContent: text, className: faults.length ? "" : "soft" })));

@@ -69,3 +69,19 @@ fn ends_and_solves_of_a_comparison_are_those_of_the_answer() {
     assert_eq!((&swarm["end"]["evaluations"], &swarm["end"]["model_solves"]), (&Value::from(50), &Value::from(100)));
     assert_eq!((&ours["solved"], &swarm["solved"]), (&Value::from(1), &Value::from(0)));
 }
+
+/// The lines of the published picture: later points are neither further left nor higher. Down is positive.
+#[test]
+fn least_objectives_of_the_picture_never_rise() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/evidence/design-comparison.svg");
+    let picture = std::fs::read_to_string(file).expect("the picture");
+    let place = |point: &str| -> Vec<f64> { point.split(' ').map(|part| part.parse().expect("a number")).collect() };
+    let mut lines = 0;
+    for line in picture.lines().filter(|line| line.contains(" solid\"") && line.contains('L')) {
+        let path = line.split(" d=\"M").nth(1).and_then(|rest| rest.split('"').next()).expect("a path");
+        let points: Vec<Vec<f64>> = path.split('L').map(place).collect();
+        assert!(points.windows(2).all(|pair| pair[0][0] <= pair[1][0] && pair[0][1] <= pair[1][1]), "{line}");
+        lines += 1;
+    }
+    assert!(lines > 100, "{lines} lines");
+}

@@ -146,6 +146,59 @@ fn numbers_of_the_page_are_those_of_the_log() {
     assert_column(&page, "lines", "set_9_y", &run.shapes.iter().map(|shape| shape.setpoint[9][1]).collect::<Vec<_>>());
 }
 
+/// The headings of the table of phases.
+fn phase_headings(page: &str) -> Vec<&str> {
+    let (_, rest) = page.split_once("<thead><tr><th>phase</th>").unwrap();
+    let cells = rest.split_once("</thead>").unwrap().0.split("<th").skip(1);
+    cells.map(|cell| cell.split_once('>').unwrap().1.split("</th>").next().unwrap()).collect()
+}
+
+#[test]
+fn columns_of_phases_without_content_are_left_out() {
+    let mut run = synthetic_run::run();
+    let page = html(&run);
+    let headings = phase_headings(&page);
+    for heading in ["tip error, mm", "by pressure", "by model"] {
+        assert!(headings.contains(&heading), "{heading} of {headings:?}");
+    }
+    run.info.feedback = true;
+    let page = html(&run);
+    let headings = phase_headings(&page);
+    assert!(headings.contains(&"tip error, mm"), "{headings:?}");
+    for heading in ["by pressure", "by model", "by sag"] {
+        assert!(!headings.contains(&heading), "{heading} of {headings:?}");
+    }
+    assert!(!page.contains("The causes add as vectors") && page.contains("not split into causes"));
+    // Nobody saw the limb.
+    run.info.feedback = false;
+    run.samples.iter_mut().for_each(|sample| sample.tip_achieved_m = None);
+    run.bodies.iter_mut().for_each(|body| body.tip_unloaded_m = None);
+    let page = html(&run);
+    let headings = phase_headings(&page);
+    assert!(headings.contains(&"by pressure"), "{headings:?}");
+    assert!(!headings.contains(&"tip error, mm") && !headings.contains(&"by model"), "{headings:?}");
+}
+
+#[test]
+fn lines_of_equal_pressures_leave_each_other_in_sight() {
+    let page = html(&synthetic_run::run());
+    let described: Value = serde_json::from_str(inert(&page, "run")).unwrap();
+    let panels = described["panels"].as_array().unwrap().iter().filter(|panel| panel["section"] == "Pressures");
+    let mut seen = 0;
+    for panel in panels {
+        let traces = panel["traces"].as_array().unwrap();
+        for style in ["setpoint", "line"] {
+            let drawn = traces.iter().filter(|trace| trace["style"] == style);
+            let widths: Vec<f64> = drawn.map(|trace| trace["width"].as_f64().unwrap()).collect();
+            assert_eq!(widths.len(), 3, "channels of a module");
+            // Later lines lie on earlier ones: half a pixel of these stays in sight on both sides at least.
+            assert!(widths.windows(2).all(|pair| pair[0] - pair[1] >= 1.0), "{widths:?}");
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 6);
+}
+
 #[test]
 fn text_from_outside_is_escaped() {
     let mut run = synthetic_run::run();

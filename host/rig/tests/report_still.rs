@@ -227,7 +227,54 @@ fn views_of_obstacles_are_a_pair_a_phase_to_one_scale() {
     // The limb at its nearest is drawn where it is known when that is: in one phase, from two sides.
     assert_eq!(views.iter().filter(|svg| svg.contains("planned, nearest")).count(), 2);
     assert!(page.contains("12.0 mm from post"), "the table says how near");
+    assert!(views.iter().all(|svg| svg.contains(">post</text>")), "the obstacle has its name");
     let scales: Vec<f64> =
         views.iter().flat_map(|svg| [scale(svg, "tick-x", "x"), scale(svg, "tick-y", "y")]).collect();
     assert!(scales.iter().all(|other| (other / scales[0] - 1.0).abs() < 2e-3), "{scales:?}");
+}
+
+/// Relative luminance of a color by WCAG 2.
+fn luminance(hex: &str) -> f64 {
+    let part = |at: usize| f64::from(u8::from_str_radix(&hex[at..at + 2], 16).unwrap()) / 255.0;
+    let linear = |part: f64| if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) };
+    0.2126 * linear(part(1)) + 0.7152 * linear(part(3)) + 0.0722 * linear(part(5))
+}
+
+#[test]
+fn lines_and_texts_have_the_contrast_of_aa_in_both_schemes() {
+    let page = html(&crate::synthetic_run::run());
+    let schemes = between(&page, ":root {", "}");
+    assert_eq!(schemes.len(), 2, "light and dark");
+    for scheme in schemes {
+        let color = |name: &str| between(scheme, &format!("--{name}: "), ";")[0];
+        for ground in ["page", "band"].map(|name| luminance(color(name))) {
+            for name in ["ink", "soft", "mark", "c1", "c2", "c3", "c4"] {
+                let [low, high] = [luminance(color(name)).min(ground), luminance(color(name)).max(ground)];
+                let contrast = (high + 0.05) / (low + 0.05);
+                // Texts stand on the page and on the bands; lines need 3 by WCAG, and have more.
+                let needed = if name.starts_with('c') { 4.0 } else { 4.5 };
+                assert!(contrast >= needed, "{name}: {contrast}");
+            }
+        }
+    }
+}
+
+#[test]
+fn measured_pressures_are_nested_and_equal_references_are_one_line() {
+    let mut run = crate::synthetic_run::run();
+    for sample in &mut run.samples {
+        let reference_pa = sample.channels[0].reference_pa;
+        sample.channels[..3].iter_mut().for_each(|channel| channel.reference_pa = reference_pa);
+        sample.channels[4].reference_pa += 1e3;
+    }
+    let page = html(&run);
+    assert_sound(&page);
+    let charts = drawings(&page);
+    let of = |title: &str| charts.iter().find(|svg| svg.contains(&format!("aria-label=\"{title}"))).unwrap();
+    for (title, references) in [("proximal: pressures", 1), ("elbow: pressures", 3)] {
+        let widths = between(of(title), "stroke-width:", "\"");
+        // Three lines in the key and three in the chart, the widest first.
+        assert_eq!(widths, ["5.5", "3.5", "1.5", "5.5", "3.5", "1.5"], "{title}");
+        assert_eq!(of(title).matches(">reference").count(), references, "{title}");
+    }
 }

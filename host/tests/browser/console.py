@@ -215,6 +215,8 @@ def fault(first):
     first.until("session", "idle")
     page.keyboard.up("w")
     first.expect("fault" in first.text("message").lower(), f"message: {first.text('message')}")
+    faults = first.text("faults").lower()
+    first.expect("on purpose" in faults and "none" not in faults, f"faults after the stop: {faults}")
     with page.expect_popup() as opened:
         page.click("#report")
     report = opened.value

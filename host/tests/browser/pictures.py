@@ -40,6 +40,12 @@ TEXTS = r"""
         const [across, down] = [Math.min(box.right, its.right) - Math.max(box.left, its.left), Math.min(box.bottom, its.bottom) - Math.max(box.top, its.top)];
         if (across > 1 && down > 4) wrong.push(`${named} lies over "${other.textContent.trim().slice(0, 40)}"`);
       }
+      // A name beside a mark covers none. Its box is higher than its letters.
+      if (text.matches(".note")) for (const mark of text.ownerSVGElement.querySelectorAll("circle.line, .crosses, .squares")) {
+        const its = mark.getBoundingClientRect();
+        const [across, down] = [Math.min(box.right, its.right) - Math.max(box.left, its.left), Math.min(box.bottom - 3, its.bottom) - Math.max(box.top + 3, its.top)];
+        if (across > 1 && down > 1) wrong.push(`${named} covers a mark`);
+      }
     });
   }
   return wrong;

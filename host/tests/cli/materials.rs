@@ -13,6 +13,13 @@ fn list_has_a_row_for_each_elastomer_and_one_has_its_readings() {
     let one = desk.softlimb("materials \"Ecoflex 00-30\" --svg ecoflex.svg").done().out;
     assert!(one.starts_with("[materials.ecoflex-00-30]\nlaw = \"yeoh\"\n"), "{one}");
     assert!(std::fs::read_to_string(desk.path("ecoflex.svg")).unwrap().contains("Ecoflex 00-30"));
+    // The readings beyond the law's range are rings, as many as the table names.
+    let table = desk.softlimb("materials \"Dragon Skin 30\" --svg dragon.svg").done().out;
+    let picture = std::fs::read_to_string(desk.path("dragon.svg")).unwrap();
+    let outside = table.lines().filter(|line| line.ends_with("outside the range")).count();
+    // One more stands in the key.
+    assert_eq!(picture.matches("ink rings").count(), outside + 1, "{table}");
+    assert!(outside > 0 && picture.contains(">Yeoh law<"), "{table}");
     desk.softlimb("materials \"ecoflex 0030\"").failed(2, &["did you mean \"Ecoflex 00-30\"?"]);
 }
 

@@ -12,9 +12,8 @@ const LEAST_ERROR: f64 = 1e-17;
 const MOST_ERROR: f64 = 1e2;
 /// A method is drawn if it applies to so many of the four motions.
 const MOTIONS: usize = 3;
-/// Width of a letter and height of a line of the names, px, and the most names of a chart.
-const LETTER: [f64; 2] = [6.6, 13.0];
-const NAMES: usize = 8;
+/// Marks of one name that are nearer to each other have it once, px.
+const NEAR: f64 = 14.0;
 
 const CAPTION: &str =
     "Largest error over all motions. In color: nothing cheaper is as accurate. Rings: single precision.";
@@ -77,7 +76,6 @@ fn chart(problem: &str, marks: &[Vec<Mark<'_>>; 2], label: &str) -> Chart {
     };
     let (x, y) = (range(0), range(1));
     let (mut series, mut notes): (Vec<Series>, Vec<Note>) = (Vec::new(), Vec::new());
-    let mut boxes: Vec<[f64; 4]> = Vec::new();
     for (marks, stroke) in marks.iter().zip([Stroke::Dots, Stroke::Rings]) {
         let points = marks.iter().map(|mark| mark.at).collect();
         series.push(Series { label: String::new(), color: Color::Faint, stroke, points });
@@ -90,17 +88,9 @@ fn chart(problem: &str, marks: &[Vec<Mark<'_>>; 2], label: &str) -> Chart {
         series.push(Series { label: name.into(), color, stroke, points });
         for mark in front {
             let text = short(mark.method);
-            let size = [LETTER[0] * text.chars().count() as f64 + 8.0, LETTER[1]];
-            let px = [0, 1].map(|axis: usize| {
-                let [low, high] = [x, y][axis];
-                AREA[axis] * (mark.at[axis] - low) / (high - low)
-            });
-            let left = if px[0] + size[0] > AREA[0] { px[0] - size[0] } else { px[0] };
-            let own = [left, left + size[0], px[1], px[1] + size[1]];
-            let apart =
-                |other: &[f64; 4]| own[0] >= other[1] || other[0] >= own[1] || own[2] >= other[3] || other[2] >= own[3];
-            if notes.len() < NAMES && boxes.iter().all(apart) {
-                boxes.push(own);
+            let px = |at: &[f64; 2], axis: usize| AREA[axis] * at[axis] / ([x, y][axis][1] - [x, y][axis][0]);
+            let far = |at: &[f64; 2]| (px(at, 0) - px(&mark.at, 0)).hypot(px(at, 1) - px(&mark.at, 1));
+            if !notes.iter().any(|note| note.text == text && far(&note.at) < NEAR) {
                 notes.push(Note { at: mark.at, text });
             }
         }

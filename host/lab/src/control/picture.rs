@@ -9,8 +9,13 @@ use crate::faults::bench::VOLUMES_M3;
 /// Area of one chart, px, and its width with its frame.
 const AREA: [f64; 2] = [322.0, 220.0];
 const ROOM: f64 = 400.0;
+/// Area of the chart of lanes, px: beside longer names, and as high as the chart on its left with its key.
+const LANES_AREA: [f64; 2] = [312.0, 256.0];
 const CAPTION: &str =
     "Three chambers under one program. Below: number of 60 other plants whose error is at most so large.";
+
+/// Distance of two lanes of the errors over time, kPa.
+const LANE_KPA: f64 = 5.0;
 
 /// Ticks between two drawn points.
 const EVERY: usize = 5;
@@ -55,18 +60,26 @@ fn over_time(trial: &Trial, title: &str, range: [f64; 2]) -> Chart {
     chart(title, ["time, s", "pressure, kPa"], series)
 }
 
+/// Errors in lanes, the first chamber on top: over each other, the noise of one would hide the others.
 fn errors_over_time(trial: &Trial, title: &str, range: [f64; 2]) -> Chart {
     let knots_pa = knots_pa();
-    let series = (0..VOLUMES_M3.len()).map(|channel| {
+    let count = VOLUMES_M3.len();
+    let series = (0..count).map(|channel| {
         let error_pa = |moment: &Moment| moment.pressure_pa[channel] - reference_pa(&knots_pa, moment.time_s);
-        Series {
-            label: name(channel),
-            color: Color::nth(channel),
-            stroke: Stroke::Solid,
-            points: moments(trial, range).map(|moment| [moment.time_s, 1e-3 * error_pa(moment)]).collect(),
-        }
+        let errors = moments(trial, range).map(|moment| [moment.time_s, 1e-3 * error_pa(moment)]);
+        let points = errors.map(|[time_s, error_kpa]| [time_s, in_lane(channel, error_kpa)]).collect();
+        Series { label: String::new(), color: Color::nth(channel), stroke: Stroke::Solid, points }
     });
-    chart(title, ["time, s", "pressure less reference, kPa"], series.collect())
+    let label = format!("error, {LANE_KPA} kPa from line to line");
+    let mut chart = chart(title, ["time, s", &label], series.collect());
+    chart.area = LANES_AREA;
+    chart.y.ticks = Ticks::Names((0..count).rev().map(name).collect());
+    chart
+}
+
+/// An error as a height: a lane is 1 high, the last chamber has that of 0.
+fn in_lane(channel: usize, error_kpa: f64) -> f64 {
+    (VOLUMES_M3.len() - 1 - channel) as f64 + error_kpa / LANE_KPA
 }
 
 /// Figures of the plants in ascending order: how many of them are below.
@@ -86,4 +99,16 @@ fn chart(title: &str, labels: [&str; 2], series: Vec<Series>) -> Chart {
     let axis = |index: usize| Axis { label: labels[index].into(), range: range(index), ticks: Ticks::Round };
     let (x, y) = (axis(0), axis(1));
     Chart { title: title.into(), area: AREA, x, y, series, bands: Vec::new(), marks: Vec::new(), notes: Vec::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lanes_are_apart_and_the_first_chamber_is_on_top() {
+        let lanes = [0, 1, 2].map(|channel| in_lane(channel, 0.0));
+        assert_eq!(lanes, [2.0, 1.0, 0.0]);
+        assert_eq!(in_lane(1, -2.5), 0.5);
+    }
 }

@@ -19,12 +19,20 @@ const AREA: [f64; 2] = [300.0, 300.0];
 const ROOM: f64 = 400.0;
 /// Charts side by side.
 const COLUMNS: usize = 2;
+/// End of an axis over the radius of the outermost circle.
+const REACH: f64 = 1.1;
 /// Most decades of the radius, chords of a circle, and number of spokes.
 const DECADES: i32 = 4;
 const CHORDS: usize = 90;
 const SPOKES: usize = 8;
-/// Direction of the names of the circles, rad.
-const NAMED_RAD: f64 = 1.25;
+/// Directions in which the names of the circles may stand, rad: near the vertical, so that they do not touch each other.
+const NAMED_RAD: [f64; 4] = [1.2, 1.95, -1.2, -1.95];
+/// Middle of a name from its point and half its size, to the right and up; room around it that is enough, px.
+const NAME_ASIDE: [f64; 2] = [23.0, 9.0];
+const NAME_HALF: [f64; 2] = [17.0, 6.0];
+const FREE: f64 = 4.0;
+/// Parts of a piece of a curve.
+const PARTS: u32 = 16;
 
 /// The largest loads of a pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,11 +80,16 @@ pub fn polar_picture(title: &str, poses: &[Polar]) -> String {
     let charts: Vec<Chart> = poses.iter().map(|pose| chart(pose, &radius)).collect();
     let rows: Vec<Vec<Chart>> = charts.chunks(COLUMNS).map(<[Chart]>::to_vec).collect();
     let middle = newtons(10_f64.powi(radius.exponents[0]));
-    sheet(
-        &rows,
-        ROOM,
-        &format!("{title}: largest load that pressures hold, by its direction. Logarithmic; middle: {middle} or less."),
-    )
+    let mut caption =
+        format!("{title}: largest load that pressures hold, by its direction. Logarithmic; middle: {middle} or less.");
+    let planes = || poses.iter().flat_map(|pose| &pose.loads_n);
+    if planes().flatten().any(|[x, y]| !x.hypot(*y).is_finite()) {
+        caption += " A gap: the walls alone hold any load.";
+    }
+    if planes().any(|loads_n| alone(loads_n).contains(&true)) {
+        caption += " A dot: this direction alone.";
+    }
+    sheet(&rows, ROOM, &caption)
 }
 
 /// Logarithmic radius of a load. Loads along a limb are a hundred times those across it, and would hide them on a linear one.
@@ -117,27 +130,79 @@ fn newtons(load_n: f64) -> String {
     format!("{} N", (load_n * 1e9).round() / 1e9)
 }
 
+fn at(share: f64, angle: f64) -> [f64; 2] {
+    [share * angle.cos(), share * angle.sin()]
+}
+
+/// The first direction of [`NAMED_RAD`] in which the curves leave the names of the circles free, else that in which they leave most, rad.
+fn named_rad(radius: &Radius, curves: &[Vec<[f64; 2]>]) -> f64 {
+    let px = |[x, y]: [f64; 2]| [x * AREA[0] / (2.0 * REACH), y * AREA[1] / (2.0 * REACH)];
+    let free = |angle: &f64| {
+        let names = radius.circles_n().into_iter().map(|load_n| px(at(radius.share(load_n), *angle)));
+        let names: Vec<[f64; 2]> = names.map(|[x, y]| [x + NAME_ASIDE[0], y + NAME_ASIDE[1]]).collect();
+        let is_finite = |point: &[f64; 2]| point.iter().all(|value| value.is_finite());
+        let steps = curves.iter().flat_map(|curve| curve.windows(2)).flat_map(|ends| {
+            let [from, to] = [px(ends[0]), px(ends[1])];
+            (0..=PARTS).map(move |part| {
+                let share = f64::from(part) / f64::from(PARTS);
+                [0, 1].map(|axis: usize| from[axis] + share * (to[axis] - from[axis]))
+            })
+        });
+        let beside = |[x, y]: [f64; 2], name: &[f64; 2]| {
+            ((x - name[0]).abs() - NAME_HALF[0]).max(0.0).hypot(((y - name[1]).abs() - NAME_HALF[1]).max(0.0))
+        };
+        let to_names = |point: [f64; 2]| names.iter().map(move |name| beside(point, name));
+        steps.filter(is_finite).flat_map(to_names).fold(FREE, f64::min)
+    };
+    // The first of equals: `max_by` takes the last.
+    NAMED_RAD.into_iter().rev().max_by(|a, b| free(a).total_cmp(&free(b))).unwrap_or(NAMED_RAD[0])
+}
+
+/// Name of a curve. A plane without any bounded load that is held has no curve, and its name says why.
+fn named(label: &str, loads_n: &[[f64; 2]]) -> String {
+    let are = |holds: fn(f64) -> bool| loads_n.iter().all(|[x, y]| holds(x.hypot(*y)));
+    match (are(|load_n| load_n == 0.0), are(|load_n| !load_n.is_finite())) {
+        (true, _) => format!("{label}: no load"),
+        (_, true) => format!("{label}: any load"),
+        _ => label.to_owned(),
+    }
+}
+
+/// Directions whose neighbours are not drawn or hold nothing: a curve would not show them.
+fn alone(loads_n: &[[f64; 2]]) -> Vec<bool> {
+    let shows = |[x, y]: [f64; 2]| x.hypot(y).is_finite() && x.hypot(y) > 0.0;
+    let ring = &loads_n[..loads_n.len().saturating_sub(1)];
+    let neighbour = |index: usize, by: usize| shows(ring[(index + by) % ring.len()]);
+    let is_alone = |index: usize| shows(ring[index]) && !neighbour(index, 1) && !neighbour(index, ring.len() - 1);
+    (0..ring.len()).map(is_alone).collect()
+}
+
 fn chart(pose: &Polar, radius: &Radius) -> Chart {
-    let at = |share: f64, angle: f64| [share * angle.cos(), share * angle.sin()];
-    let faint = |stroke, points| Series { label: String::new(), color: Color::Faint, stroke, points };
+    let grid = |points| Series { label: String::new(), color: Color::Grid, stroke: Stroke::Solid, points };
+    let curve = |loads_n: &Vec<[f64; 2]>| -> Vec<[f64; 2]> {
+        loads_n.iter().map(|&[x, y]| at(radius.share(x.hypot(y)), y.atan2(x))).collect()
+    };
+    let curves: Vec<Vec<[f64; 2]>> = pose.loads_n.iter().map(curve).collect();
     let (mut series, mut notes) = (Vec::new(), Vec::new());
+    let named_rad = named_rad(radius, &curves);
     for load_n in radius.circles_n() {
         let share = radius.share(load_n);
-        let points = (0..=CHORDS).map(|chord| at(share, TAU * chord as f64 / CHORDS as f64)).collect();
-        series.push(faint(Stroke::Dotted, points));
-        notes.push(Note { at: at(share, NAMED_RAD), text: newtons(load_n) });
+        series.push(grid((0..=CHORDS).map(|chord| at(share, TAU * chord as f64 / CHORDS as f64)).collect()));
+        notes.push(Note { at: at(share, named_rad), text: newtons(load_n) });
     }
     let spokes = (0..SPOKES).flat_map(|spoke| {
         let angle = TAU * spoke as f64 / SPOKES as f64;
         [[0.0; 2], at(1.0, angle), [f64::NAN; 2]]
     });
-    series.push(faint(Stroke::Dotted, spokes.collect()));
-    let looks = [("in the plane x z", Color::First, Stroke::Solid), ("in y z", Color::Second, Stroke::Dashed)];
-    for (loads_n, (label, color, stroke)) in pose.loads_n.iter().zip(looks) {
-        let points = loads_n.iter().map(|&[x, y]| at(radius.share(x.hypot(y)), y.atan2(x))).collect();
-        series.push(Series { label: label.into(), color, stroke, points });
+    series.push(grid(spokes.collect()));
+    let looks = [("in x z", Color::First, Stroke::Solid), ("in y z", Color::Second, Stroke::Dashed)];
+    for ((loads_n, points), (label, color, stroke)) in pose.loads_n.iter().zip(curves).zip(looks) {
+        let dots =
+            points.iter().zip(alone(loads_n)).filter_map(|(&point, is_alone)| is_alone.then_some(point)).collect();
+        series.push(Series { label: named(label, loads_n), color, stroke, points });
+        series.push(Series { label: String::new(), color, stroke: Stroke::Dots, points: dots });
     }
-    let axis = |label: &str| Axis { label: label.into(), range: [-1.1, 1.1], ticks: Ticks::Names(Vec::new()) };
+    let axis = |label: &str| Axis { label: label.into(), range: [-REACH, REACH], ticks: Ticks::Names(Vec::new()) };
     Chart {
         title: pose.name.clone(),
         area: AREA,
@@ -153,6 +218,39 @@ fn chart(pose: &Polar, radius: &Radius) -> Chart {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Loads of four directions, the first once more at the end.
+    fn around(loads_n: [f64; 4]) -> Vec<[f64; 2]> {
+        let way = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+        let at = |index: usize| way[index % 4].map(|part| loads_n[index % 4] * part);
+        (0..5).map(at).collect()
+    }
+
+    #[test]
+    fn plane_without_a_curve_says_why() {
+        for (loads_n, name) in
+            [([0.0; 4], "in y z: no load"), ([f64::NAN; 4], "in y z: any load"), ([0.0, 3.0, f64::NAN, 0.0], "in y z")]
+        {
+            assert_eq!(named("in y z", &around(loads_n)), name);
+        }
+    }
+
+    #[test]
+    fn direction_between_two_without_load_is_a_dot() {
+        assert_eq!(alone(&around([0.0, 5.0, 0.0, 0.0])), [false, true, false, false]);
+        assert_eq!(alone(&around([7.0, f64::NAN, 5.0, 6.0])), [false; 4]);
+        assert_eq!(alone(&around([7.0, f64::NAN, 5.0, 0.0])), [true, false, true, false]);
+    }
+
+    #[test]
+    fn names_of_circles_stand_away_from_a_curve() {
+        let radius = Radius { exponents: [0, 3] };
+        // A curve through all names on the upper right, and one through those on both upper sides.
+        let line = |angle: f64| (0..40).map(|step| at(f64::from(step) / 30.0, angle)).collect::<Vec<_>>();
+        assert!(named_rad(&radius, &[line(1.1)]) != NAMED_RAD[0]);
+        assert!(named_rad(&radius, &[line(1.1), line(1.85)]) < 0.0);
+        assert_eq!(named_rad(&radius, &[]), NAMED_RAD[0]);
+    }
 
     #[test]
     fn radius_is_logarithmic_from_the_middle_to_the_outermost_circle() {

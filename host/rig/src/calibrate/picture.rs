@@ -97,15 +97,21 @@ pub fn tension_picture(test: &Tension, fit: &TensionFit) -> String {
 
 /// A tensile test and the law of its range as a document that stands by itself.
 pub fn range_picture(name: &str, test: &Tension, fit: Option<&RangeFit>) -> String {
-    let measured = test.points().iter().map(|[stretch, stress]| [*stretch, 1e-3 * stress]).collect();
+    let readings = test.points().iter().map(|[stretch, stress]| [*stretch, 1e-3 * stress]);
+    let is_inside = |[stretch, _]: &[f64; 2]| fit.is_none_or(|fit| (fit.stretch[0]..=fit.stretch[1]).contains(stretch));
+    let (measured, outside): (Vec<[f64; 2]>, Vec<[f64; 2]>) = readings.partition(is_inside);
     let mut curves = Vec::new();
     if let Some(fit) = fit {
         let [low, high] = fit.stretch;
         let law = (0..=100).map(|step| low + (high - low) * f64::from(step) / 100.0);
         let points = law.map(|stretch| [stretch, 1e-3 * fit.stress_pa(stretch)]).collect();
-        curves.push(Series { label: "yeoh".into(), color: Color::First, stroke: Stroke::Solid, points });
+        curves.push(Series { label: "Yeoh law".into(), color: Color::First, stroke: Stroke::Solid, points });
     }
     curves.push(Series { label: "measured".into(), color: Color::Ink, stroke: Stroke::Dots, points: measured });
+    if !outside.is_empty() {
+        let label = "outside its range".into();
+        curves.push(Series { label, color: Color::Ink, stroke: Stroke::Rings, points: outside });
+    }
     let charts = vec![chart(format!("{name}: nominal stress"), "stretch", "nominal stress, kPa", curves)];
     sheet(&[charts], ROOM, &format!("Tensile test of {name}, and the law that describes it"))
 }

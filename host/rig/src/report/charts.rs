@@ -53,18 +53,33 @@ pub(super) fn supply(log: &RunLog) -> String {
     from_zero(Chart { marks, ..chart }).svg()
 }
 
+/// Measured lines nested into each other, below the references. Equal references are one line.
 fn pressure_series(log: &RunLog, module: &ModuleInfo) -> Vec<Series> {
-    let mut series = Vec::new();
-    for (index, channel) in module.channels.clone().enumerate() {
-        let color = Color::nth(index);
-        let pressure = |value: fn(&ChannelSample) -> f64| {
-            move |sample: &Sample| sample.channels.get(channel).map_or(f64::NAN, value) * 1e-3
-        };
-        let (measured, reference) = (pressure(|channel| channel.pressure_pa), pressure(|channel| channel.reference_pa));
-        series.push(line(&format!("channel {channel}"), color, Stroke::Solid, log, measured));
-        series.push(line(&format!("reference {channel}"), color, Stroke::Dashed, log, reference));
-    }
-    series
+    let channels: Vec<usize> = module.channels.clone().collect();
+    let pressure = |channel: usize, value: fn(&ChannelSample) -> f64| {
+        move |sample: &Sample| sample.channels.get(channel).map_or(f64::NAN, value) * 1e-3
+    };
+    let measured = channels.iter().enumerate().map(|(index, &channel)| {
+        let stroke = Stroke::Nested(((channels.len() - 1 - index) % 4) as u8);
+        let value = pressure(channel, |channel| channel.pressure_pa);
+        line(&format!("channel {channel}"), Color::nth(index), stroke, log, value)
+    });
+    let reference = |channel: usize| pressure(channel, |channel| channel.reference_pa);
+    let is_as_first = |channel: &usize| {
+        log.samples.iter().all(|sample| reference(*channel)(sample).total_cmp(&reference(channels[0])(sample)).is_eq())
+    };
+    let references = match &channels[..] {
+        [first, ..] if channels.iter().all(is_as_first) => {
+            vec![line("reference", Color::Ink, Stroke::Dashed, log, reference(*first))]
+        }
+        _ => {
+            let of_channel = |(index, &channel): (usize, &usize)| {
+                line(&format!("reference {channel}"), Color::nth(index), Stroke::Dashed, log, reference(channel))
+            };
+            channels.iter().enumerate().map(of_channel).collect()
+        }
+    };
+    measured.chain(references).collect()
 }
 
 fn deformation_series(log: &RunLog, index: usize, quantity: StateQuantity) -> Vec<Series> {

@@ -118,6 +118,15 @@ class Reader:
             self.expect(len(set(of_kind)) == 3, f"the {kind} does not follow the slider")
         self.move_slider(0)
         self.expect(self.picture() == seen[0][0], "the same time gives another picture")
+        self.solids_have_names()
+
+    def solids_have_names(self):
+        names = self.page.evaluate("JSON.parse(document.querySelector('#run').textContent).space.solids.map((solid) => solid.name)")
+        shown = self.page.evaluate("window.report.view.named")
+        self.expect(set(names) <= {one["name"] for one in shown}, f"names in space: {shown}, of {names}")
+        for index, one in enumerate(shown):
+            over = [other["name"] for other in shown[:index] if abs(one["x"] - other["x"]) < one["half"] + other["half"] - 8 and abs(one["y"] - other["y"]) < 12]
+            self.expect(not over, f"the name {one['name']} lies over {over}")
 
     def hover_shows_values(self):
         panel = self.page.locator(".panel").first

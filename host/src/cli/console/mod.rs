@@ -85,10 +85,10 @@ impl Console {
         note("Open this address in a browser on this computer. Ctrl-C vents the limb and ends the console.");
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{}-console", scene.name())));
         let options = JogOptions { out, within_m: self.hand.within.si(), link_faults: None, task };
-        let mut before = View::between("idle", String::new(), false);
+        let mut before = View::between("idle");
         while armed(&page, &before, &cancel) {
             page.set_report(None);
-            page.show(&View::between("connecting", String::new(), false));
+            page.show(&View::between("connecting"));
             let ended = session(&device, (&scene, &limb), &options, &page, &cancel);
             before = told_end(&page, ended);
         }
@@ -124,7 +124,7 @@ fn session(
     ended
 }
 
-/// Shows the report of a session, and returns what the pages see next: why it ended early.
+/// Shows the report of a session, and returns what the pages see next: why it ended early, and its faults.
 fn told_end(page: &Page, ended: Result<RunFiles, RunError>) -> View {
     let (files, message) = match ended {
         Ok(files) => (Some(files), String::new()),
@@ -135,11 +135,12 @@ fn told_end(page: &Page, ended: Result<RunFiles, RunError>) -> View {
     if !message.is_empty() {
         note(&format!("error: {message}"));
     }
-    let has_report = files.is_some();
+    let faults = files.iter().flat_map(|files| &files.run.faults).map(view::worded).collect();
+    let view = View::ended(message, files.is_some(), faults);
     if let Some(RunFiles { log, report, run }) = files {
         warn(&run_warnings(&summary(&run)));
         note(&format!("log:    {}\nreport: {}", log.display(), report.display()));
         page.set_report(Some(report));
     }
-    View::between("idle", message, has_report)
+    view
 }

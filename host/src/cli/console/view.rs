@@ -5,7 +5,7 @@ use serde::Serialize;
 use softlimb_limb::Limb;
 use softlimb_motion::jog::{SPEEDS, STEPS, TaskProgress};
 use softlimb_rig::link::code_name;
-use softlimb_rig::record::{ChannelSample, SolidInfo};
+use softlimb_rig::record::{ChannelSample, FaultRecord, SolidInfo};
 use softlimb_rig::run;
 use softlimb_rig::run::{JogView, TimedFault};
 use softlimb_scene::Scene;
@@ -120,8 +120,13 @@ struct Task {
 
 impl View {
     /// No device is connected.
-    pub(super) fn between(session: &'static str, message: String, report: bool) -> Self {
-        Self { session, message, report, ..Self::default() }
+    pub(super) fn between(session: &'static str) -> Self {
+        Self { session, ..Self::default() }
+    }
+
+    /// The session has ended; its faults stay until the next one.
+    pub(super) fn ended(message: String, report: bool, faults: Vec<String>) -> Self {
+        Self { message, report, faults, ..Self::between("idle") }
     }
 
     /// A device under orders.
@@ -161,6 +166,13 @@ impl View {
     }
 }
 
+/// A recorded fault in the words of a session, with its channel.
+pub(super) fn worded(fault: &FaultRecord) -> String {
+    let FaultRecord { text, channel, .. } = fault;
+    let is_known = *channel == u8::MAX || text.contains("on channel");
+    if is_known { text.clone() } else { format!("{text}, on channel {channel}") }
+}
+
 fn target(view: &JogView<'_, '_>) -> Option<String> {
     let targets = view.jog.targets();
     let next = targets.next()?;
@@ -179,4 +191,21 @@ fn rounded(place_m: [f64; 3]) -> [f64; 3] {
 
 fn places(value: f64, unit: f64) -> f64 {
     (value * unit).round() / unit
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_of_an_ended_session_are_shown_with_their_channels() {
+        let fault =
+            |channel, text: &str| FaultRecord { time_s: 1.0, channel, code: 1, value: 0, text: text.to_owned() };
+        let faults = [fault(2, "over-pressure on channel 2"), fault(3, "leak, on purpose"), fault(0xFF, "supply low")];
+        let view = View::ended("the device stopped".into(), true, faults.iter().map(worded).collect());
+        let shown = serde_json::to_value(view).expect("JSON");
+        let expected = ["over-pressure on channel 2", "leak, on purpose, on channel 3", "supply low"];
+        assert_eq!(shown["faults"], serde_json::json!(expected));
+        assert_eq!((&shown["session"], &shown["message"]), (&"idle".into(), &"the device stopped".into()));
+    }
 }

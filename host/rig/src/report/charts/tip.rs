@@ -1,7 +1,7 @@
 //! The way of the tip, seen from two sides, with the limb at the ends of the phases; and each phase by itself among obstacles.
 
 use super::super::summary::scheduled;
-use crate::record::{PhaseInfo, RunLog, Sample, Shape};
+use crate::record::{PhaseInfo, RunLog, Sample, Shape, SolidInfo};
 use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, Ticks, labelled, span};
 
 /// Largest width and height of a view, px.
@@ -64,7 +64,18 @@ fn phase_view(
     let nearest = phase.nearest.as_ref();
     series.extend(nearest.and_then(|near| limb("planned, nearest", near.time_s, Color::Second, Stroke::Dotted, true)));
     series.extend(limb("at the end", phase.end_s(), Color::First, Stroke::Solid, false));
-    layout.chart(title, axes, extents, series, Vec::new())
+    layout.chart(title, axes, extents, series, solid_names(log, seen))
+}
+
+/// The name of each obstacle and region at its corner on the upper right.
+fn solid_names(log: &RunLog, seen: impl Fn(&[f64; 3]) -> [f64; 2]) -> Vec<Note> {
+    let note = |solid: &SolidInfo| {
+        let points = solid.lines_m.iter().flatten().map(&seen);
+        let points = points.filter(|point| point.iter().all(|value| value.is_finite()));
+        let at = points.max_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])))?;
+        Some(Note { at, text: solid.name.clone() })
+    };
+    log.info.solids.iter().filter_map(note).collect()
 }
 
 /// Size that both views have, so that they line up.

@@ -100,6 +100,7 @@ const LimbView = (() => {
       for (const target of state.targets) this.target(target);
       this.named = [];
       for (const solid of state.solids) this.name(solid);
+      for (const object of state.carried) this.object_name(object);
       this.axes();
     }
 
@@ -109,16 +110,38 @@ const LimbView = (() => {
       if (!seen.length) return;
       const [top, right] = [seen.reduce((best, p) => (p[1] < best[1] ? p : best)), seen.reduce((best, p) => (p[0] > best[0] ? p : best))];
       const is_box = !!(shape && shape.box);
-      const middle = is_box ? right[0] : seen.reduce((sum, p) => sum + p[0], 0) / seen.length;
+      if (is_box) this.label(name, right[0], right[1] + 6, 1);
+      else this.label(name, seen.reduce((sum, p) => sum + p[0], 0) / seen.length, top[1] - 4, 0);
+    }
+
+    // A name about a place, or on the right of it. One that would lie over another moves up or down, with a line to its place.
+    label(name, x, y, side) {
       const g = this.g;
       Object.assign(g, { font: "12px system-ui, sans-serif", textAlign: "center", textBaseline: "bottom", lineWidth: 3, strokeStyle: rgb(this.colors.page, 0.8), fillStyle: rgb(this.colors.ink) });
       const half = g.measureText(name).width / 2 + 4;
-      const [x, y] = [Math.max(half, Math.min(this.width - half, middle + (is_box ? half : 0))), Math.max(18, is_box ? right[1] + 6 : top[1] - 4)];
-      // A name that would lie over another is left out.
-      if (this.named.some(([a, b, w]) => Math.abs(a - x) < w + half && Math.abs(b - y) < 15)) return;
-      this.named.push([x, y, half]);
-      g.strokeText(name, x, y);
-      g.fillText(name, x, y);
+      const across = Math.max(half, Math.min(this.width - half, x + side * half));
+      const is_free = (at) => at >= 18 && at <= this.height && !this.named.some((other) => Math.abs(other.x - across) < other.half + half && Math.abs(other.y - at) < 15);
+      const first = Math.max(18, Math.min(this.height, y));
+      const down = Array.from({ length: 17 }, (_, step) => first + 15 * Math.ceil(step / 2) * (step % 2 ? -1 : 1)).find(is_free) ?? first;
+      this.named.push({ name, x: across, y: down, half });
+      if (Math.abs(down - first) > 20) {
+        g.beginPath();
+        g.moveTo(x, y);
+        g.lineTo(across - side * (half - 3), down - 7);
+        const width = g.lineWidth;
+        Object.assign(g, { strokeStyle: rgb(this.colors.soft), lineWidth: 1 });
+        g.stroke();
+        Object.assign(g, { strokeStyle: rgb(this.colors.page, 0.8), lineWidth: width });
+      }
+      g.strokeText(name, across, down);
+      g.fillText(name, across, down);
+    }
+
+    // The name of a carried object, beside it.
+    object_name({ name, at, radius_m }) {
+      if (!name || !finite(at)) return;
+      const [x, y, , scale] = this.project(at);
+      this.label(name, x + radius_m * scale + 2, y + 6, 1);
     }
 
     grid() {

@@ -35,10 +35,8 @@ struct Page<'a> {
     key: Vec<Entry>,
     phases: Vec<PhaseRow>,
     tolerance_percent: String,
-    has_gripper: bool,
-    has_clearance: bool,
-    has_sag: bool,
-    has_swing: bool,
+    shows: Shows,
+    has_feedback: bool,
     has_object: bool,
     is_still: bool,
     style: &'static str,
@@ -51,6 +49,43 @@ struct Page<'a> {
     run: String,
     numbers: String,
     scene_text: &'a str,
+}
+
+/// Columns of the table of phases that have something to show.
+struct Shows {
+    gripper: bool,
+    goal: bool,
+    error: bool,
+    pressure: bool,
+    model: bool,
+    sag: bool,
+    swing: bool,
+    swing_planned: bool,
+    planned: bool,
+    achieved: bool,
+}
+
+impl Shows {
+    fn of(phases: &[PhaseRow]) -> Self {
+        let any = |cell: fn(&PhaseRow) -> &str| phases.iter().any(|phase| !cell(phase).is_empty());
+        Self {
+            gripper: any(|phase| &phase.gripper),
+            goal: any(|phase| phase.goal),
+            error: any(|phase| &phase.error),
+            pressure: any(|phase| &phase.pressure),
+            model: any(|phase| &phase.model),
+            sag: any(|phase| &phase.sag),
+            swing: any(|phase| &phase.swing),
+            swing_planned: any(|phase| &phase.swing_planned),
+            planned: any(|phase| &phase.planned),
+            achieved: any(|phase| &phase.achieved),
+        }
+    }
+
+    /// Whether errors are split into their causes.
+    fn causes(&self) -> bool {
+        self.pressure && self.model
+    }
 }
 
 /// Description of the numbers of a page.
@@ -106,17 +141,16 @@ pub fn html(log: &RunLog) -> String {
         opens: verdict::telling_s(log).unwrap_or(0.0),
         states: std::array::from_fn(|state| rows::state_name(state as u8)),
     };
+    let phase_rows = verdict::phases(log);
     let page = Page {
         facts: facts(log, &summary),
         verdict: verdict::verdict(log, &summary),
         cards: verdict::cards(log, &summary),
         key: space::key(log),
-        phases: verdict::phases(log),
+        shows: Shows::of(&phase_rows),
+        phases: phase_rows,
         tolerance_percent: format!("{:.0}", 1e2 * TOLERANCE),
-        has_gripper: log.info.phases.iter().any(|phase| phase.gripper.is_some()),
-        has_clearance: log.info.phases.iter().any(|phase| phase.nearest.is_some()),
-        has_sag: log.bodies.iter().any(|body| body.tip_unloaded_m.is_some()),
-        has_swing: log.info.phases.iter().any(|phase| phase.swing.is_some()),
+        has_feedback: log.info.feedback,
         has_object: log.info.simulated && !log.info.carried.is_empty(),
         is_still: log.info.simulated && !log.info.truth.as_deref().is_some_and(|truth| truth.contains("swing")),
         style: STYLE,

@@ -16,6 +16,10 @@ const CHANNELS: usize = 4;
 const KPA: f64 = 0.01;
 const MM: f64 = 0.02;
 const SECONDS: f64 = 1e-4;
+/// Width of the uppermost line of several, their difference in width, and that of a setpoint from its line, px.
+const LINE_PX: f64 = 1.75;
+const STEP_PX: f64 = 2.0;
+const BAND_PX: f64 = 4.0;
 /// Distance from an obstacle beyond which a plot need not show it, mm.
 const FAR_MM: f64 = 100.0;
 
@@ -30,6 +34,9 @@ pub(super) struct Trace {
     style: &'static str,
     /// Index of its color.
     color: usize,
+    /// Width of its line, px; absent for that of its style.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    width: Option<f64>,
 }
 
 /// Quantities over one axis.
@@ -214,10 +221,13 @@ impl Filled<'_> {
         };
         let groups: Vec<_> = self.log.info.modules.iter().flat_map(of_module).collect();
         for (module, channels) in groups {
+            let count = channels.len();
             let of_style = |style: &'static str, column: &'static str| {
                 let trace = move |(color, channel): (usize, &usize)| {
                     let name = if style == "line" { format!("ch {channel}") } else { format!("ch {channel} set") };
-                    sample_trace(&name, &format!("{column}_{channel}"), style, color)
+                    let width = nested_px(color, count) + if style == "line" { 0.0 } else { BAND_PX };
+                    let width = Some(width);
+                    Trace { width, ..sample_trace(&name, &format!("{column}_{channel}"), style, color) }
                 };
                 channels.iter().enumerate().map(trace).collect::<Vec<_>>()
             };
@@ -250,6 +260,11 @@ impl Filled<'_> {
     }
 }
 
+/// Width of a line of several that may lie on each other, px: each leaves the edges of those below it in sight.
+fn nested_px(index: usize, count: usize) -> f64 {
+    LINE_PX + STEP_PX * (count - 1 - index) as f64
+}
+
 /// The sample at a time, or the last before it.
 fn nearest_sample(log: &RunLog, time_s: f64) -> Option<&Sample> {
     let after = log.samples.partition_point(|sample| sample.time_s <= time_s + 1e-9);
@@ -257,7 +272,7 @@ fn nearest_sample(log: &RunLog, time_s: f64) -> Option<&Sample> {
 }
 
 fn trace(name: &str, table: &'static str, column: &str, style: &'static str, color: usize) -> Trace {
-    Trace { name: name.to_owned(), table, column: column.to_owned(), style, color }
+    Trace { name: name.to_owned(), table, column: column.to_owned(), style, color, width: None }
 }
 
 fn sample_trace(name: &str, column: &str, style: &'static str, color: usize) -> Trace {

@@ -29,7 +29,8 @@ const Plots = (() => {
       const named = described.traces.filter((trace) => trace.style !== "setpoint" || described.traces.length <= 3);
       this.labels = named.map((trace) => {
         const label = made("div", "label", this.frame);
-        made("i", trace.style, label);
+        const sample = made("i", trace.style, label);
+        if (trace.width) sample.style.height = `${trace.width + 1}px`;
         made("span", "", label).textContent = trace.name;
         return { trace, label, value: made("b", "", label), text: "" };
       });
@@ -48,7 +49,7 @@ const Plots = (() => {
         const color = this.color(trace);
         const line = { line: { color, width: 2 }, setpoint: { color: faded(color, 0.35), width: 6 }, planned: { color, width: 1.5, dash: "dash" } };
         const alone = x.length < 2 ? "markers" : "lines";
-        return { type: "scatter", mode: alone, marker: { color }, x, y, name: trace.name, line: line[trace.style], hovertemplate: `%{y:.${this.digits()}f}` };
+        return { type: "scatter", mode: alone, marker: { color }, x, y, name: trace.name, line: { ...line[trace.style], ...(trace.width && { width: trace.width }) }, hovertemplate: `%{y:.${this.digits()}f}` };
       });
     }
 
