@@ -17,7 +17,7 @@ use std::num::NonZero;
 use crate::camera::Camera;
 use crate::record::Sample;
 use crate::run::{Prepared, RunError};
-use softlimb_scene::{Corrections, Scene};
+use softlimb_scene::{PhaseCorrections, Scene};
 
 use learner::Learner;
 pub use load::{Tracking, UnderLoad, under_load};
@@ -48,7 +48,7 @@ pub struct Outcome {
     /// Runs with the corrections.
     pub corrected: Score,
     /// The corrections of the setpoints.
-    pub corrections: Corrections,
+    pub corrections: PhaseCorrections,
     /// Observed error at rest in each iteration, with the corrections from before it; RMS, m.
     pub observed_m: Vec<f64>,
     /// Bound of the tip's error at a target by the device's inverse, m; `None` where a module is not looked up in tables of a verified error.
@@ -93,7 +93,8 @@ pub fn learn(scene: &Scene, settings: &Settings) -> Result<Outcome, LearningErro
     let (learner, prepared, observed_m) = iterate(&model, settings, &mut noises)?;
     let corrected = evaluate(&prepared, settings, &mut noises)?;
     let inverse_m = score::inverse_m(model.limb(), model.plan(), model.inverse_errors_pa());
-    Ok(Outcome { by_model, corrected, corrections: learner.into_corrections(), observed_m, inverse_m })
+    let corrections = model.plan().by_phase(model.limb(), learner.corrections());
+    Ok(Outcome { by_model, corrected, corrections, observed_m, inverse_m })
 }
 
 /// Evaluates runs of a scene with its own corrections and, if it asks for it, with feedback. Of the settings, only `limb`, `noise` and `runs` are used.
