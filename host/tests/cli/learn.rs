@@ -112,3 +112,22 @@ fn corrections_of_another_goal_cause_a_warning() {
         assert!(answer.err.contains(warning) && answer.err.contains("% of its range away"), "{answer:?}");
     }
 }
+
+#[test]
+fn what_was_learned_is_tested_in_other_scenes_of_the_limb() {
+    let desk = Desk::new();
+    let scene = |hold: &str| SCENE.replace("0.2 s", hold) + "\n[plant.chamber]\ncreep_share = \"0 %\"\n";
+    desk.put("scene.toml", scene("3 s"));
+    desk.put("longer.toml", scene("6 s").replace("\"small\"", "\"longer\""));
+    desk.put("other.toml", scene("3 s").replace("\"bend\"", "\"curl\""));
+    desk.put("limb.toml", scene("3 s").replace("finger", "thumb"));
+    let learn = "learn scene.toml --iterations 4 --trials 2 --test";
+    let json = desk.softlimb(&format!("{learn} longer.toml --json")).done().json();
+    let test = &json["tests"][0];
+    assert_eq!(test["scene"], "longer");
+    let [before, after] = ["by_model", "learned"].map(|key| test[key]["rmse_m"].as_f64().unwrap());
+    assert!(0.0 < after && after < 0.4 * before, "{before} {after}");
+    assert!(desk.softlimb(&format!("{learn} longer.toml")).done().out.contains("\ntested in longer "));
+    desk.softlimb(&format!("{learn} other.toml")).failed(1, &["small has the phase `curl`, for which there are no"]);
+    desk.softlimb(&format!("{learn} limb.toml")).failed(1, &["small has other modules than the scene of"]);
+}
