@@ -7,9 +7,10 @@ use nalgebra::Vector3;
 
 use super::air::Bottleneck;
 use super::carrier::Carrier;
+use super::corrections::check_corrections;
 use super::goal::{pressures, shapes, tip_task, values};
 use super::inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, angle, misses, solutions_of};
-use super::plan::{Plan, check_corrections};
+use super::plan::Plan;
 use super::route::{approach, ranges, route};
 use super::schedule::planning_space;
 use super::sent::Sent;
@@ -95,8 +96,9 @@ pub fn vibrations(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Vibrati
 /// the limb can reach.
 pub fn sent(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Sent, SceneError> {
     let Some(corrections) = scene.corrections() else { return Ok(Sent::uncorrected(limb, plan)) };
-    check_corrections(limb, corrections).map_err(|why| Words { scene, limb }.diagnostic(&why))?;
-    corrected(scene, limb, plan, corrections)
+    let corrections = corrections.over(&plan.phase_times());
+    check_corrections(limb, &corrections).map_err(|why| Words { scene, limb }.diagnostic(&why))?;
+    corrected(scene, limb, plan, &corrections)
 }
 
 /// The setpoints of a plan with corrections, which end where the range of a module ends.

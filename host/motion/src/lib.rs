@@ -5,6 +5,7 @@
 mod air;
 mod carrier;
 mod clear;
+mod corrections;
 mod diagnostics;
 mod follow;
 mod goal;
@@ -32,6 +33,7 @@ mod wire;
 
 pub use air::{AirDemand, air_demand, dead_volume_m3, line_conductance_m3_per_s_pa};
 pub use clear::Nearness;
+pub use corrections::moved_warnings;
 pub use diagnostics::{corrected, margins, plan, sent, swings, vibrations};
 pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, solve, solve_tip};
 pub use inverses::{ModuleInverse, check_goals, inverses};

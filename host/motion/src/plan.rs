@@ -13,7 +13,7 @@ use super::weight::{self, Judged, Weighed};
 use super::wire::{from_wire, to_wire};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::Fidelity;
-use softlimb_scene::{Corrections, Gripper, Scene};
+use softlimb_scene::{Gripper, PhaseTimes, Scene};
 
 /// A phase on the clock of the run, with the value of every drive at its end.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,6 +94,16 @@ impl Plan {
     /// Time of the last knot, us after the start.
     pub fn duration_us(&self) -> u64 {
         self.track.duration_us()
+    }
+
+    /// Times of the phases, in their order.
+    pub fn phase_times(&self) -> Vec<PhaseTimes> {
+        let seconds = |us: u64| us as f64 * 1e-6;
+        let times = |phase: &PlannedPhase| {
+            let [start_s, move_s, hold_s] = [phase.start_us, phase.move_us, phase.hold_us].map(seconds);
+            PhaseTimes { start_s, move_s, hold_s }
+        };
+        self.phases.iter().map(times).collect()
     }
 
     /// Whether the gripper's output is on at a time of the run, us. Before the first command it is in the other state.
@@ -219,23 +229,6 @@ fn proven(scene: &Scene, limb: &Limb, draft: Plan, tier: Option<Fidelity>) -> Re
     clear::prove(scene, limb, &mut phases, way, tier)?;
     let weighed = tier.map(|tier| weight::weigh(scene, limb, &phases, way, tier)).transpose()?;
     Ok(Plan { phases, warnings, track, weighed })
-}
-
-/// Checks that corrections are within the ranges of their modules: larger ones are in another unit, or of another limb.
-///
-/// # Errors
-/// [`Unreachable::Correction`].
-pub(super) fn check_corrections(limb: &Limb, corrections: &Corrections) -> Result<(), Unreachable> {
-    for (time_s, row) in corrections.times_s.iter().zip(&corrections.rows) {
-        for (index, module) in limb.modules().iter().enumerate() {
-            let (rest, last) = module.range();
-            let own = row.get(module.channels.clone()).unwrap_or_default();
-            if let Some(value) = own.iter().find(|value| value.abs() > (last - rest).abs()) {
-                return Err(Unreachable::Correction { time_s: *time_s, module: index, value: *value });
-            }
-        }
-    }
-    Ok(())
 }
 
 /// Share of a hold's change of mass at a time of the run, for a hold from `from_us` on.

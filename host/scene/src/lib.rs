@@ -33,10 +33,11 @@ mod writer;
 use std::path::Path;
 
 pub use data::{
-    Aim, Ambient, BendingModel, BodyEffects, Bounds, Camera, Chamber, Choice, Controller, Corrections, Design,
-    EndEffector, Excess, Goal, Gripper, InverseChoice, Limb, Limits, Line, LinkLoss, MarginLimits, Marker, Module,
-    ModuleBounds, ModuleSegment, Object, Obstacle, Phase, Plant, PressureLoop, Region, Scene, Sensor, Shaping, Spread,
-    Supply, Swing, Target, Thread, TrueLimb, Valve, Weight, WoundActuator, WoundWall,
+    Aim, Ambient, BendingModel, BodyEffects, Bounds, Camera, Chamber, Choice, Controller, CorrectionRow, Corrections,
+    Design, EndEffector, Excess, Goal, Gripper, InverseChoice, Limb, Limits, Line, LinkLoss, MarginLimits, Marker,
+    Module, ModuleBounds, ModuleSegment, Object, Obstacle, Phase, PhaseCorrections, PhaseTimes, Plant, PressureLoop,
+    Region, Scene, Sensor, Shaping, Spread, Supply, Swing, Target, Thread, TrueLimb, Valve, Weight, WoundActuator,
+    WoundWall,
 };
 pub use elastomers::{CASTABLE_ELASTOMERS, CastableElastomer, TENSILE_TESTS, castable_elastomer};
 pub use error::{Diagnostic, Problems, SceneError, Unreadable};

@@ -12,7 +12,7 @@ use super::{Failure, Outcome};
 use softlimb_chart::labelled;
 use softlimb_limb::Limb;
 use softlimb_rig::learning;
-use softlimb_rig::learning::{Distances, LearningError, Score, Settings, learn};
+use softlimb_rig::learning::{Distances, LearningError, Score, Settings, learn, transferred};
 use softlimb_scene as scene;
 use softlimb_scene::{Quantity, Scene};
 
@@ -41,6 +41,9 @@ pub(super) struct Learn {
     /// Write the learned corrections of the setpoints, in m, rad and Pa
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// A scene of the same limb, with phases of the same names, in which what was learned is tested; may be given several times
+    #[arg(long = "test", value_name = "SCENE")]
+    tests: Vec<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -57,16 +60,26 @@ impl Learn {
             runs: NonZero::new(self.trials).unwrap_or(NonZero::<u32>::MIN),
             camera_noise_m: self.camera.as_ref().map_or(stated_m, Quantity::si),
         };
+        let others = self.tests.iter().map(|file| scene::load(file)).collect::<Result<Vec<_>, _>>()?;
         let found = learn(&scene, &settings)?;
+        let test = |other: &Scene| {
+            let [by_model, learned] = transferred(other, (&scene, &found.corrections), &settings)?;
+            Ok(Tested {
+                scene: other.name().to_owned(),
+                by_model: by_model.at_targets(),
+                learned: learned.at_targets(),
+            })
+        };
+        let tests = others.iter().map(test).collect::<Result<Vec<_>, LearningError>>()?;
         write_if(self.csv.as_ref(), || corrections_csv(&scene, &found.corrections))?;
-        show_of(self.json, &Limb::new(&scene)?, &Printed::new(&scene, &settings, &found), || {
-            self.table(&scene, &settings, &found)
+        show_of(self.json, &Limb::new(&scene)?, &Printed::new(&scene, &settings, &found, &tests), || {
+            self.table(&scene, &settings, &found, &tests)
         })?;
         Ok(Outcome::Done)
     }
 
     /// Writing to a string cannot fail.
-    fn table(&self, scene: &Scene, settings: &Settings, found: &learning::Outcome) -> String {
+    fn table(&self, scene: &Scene, settings: &Settings, found: &learning::Outcome, tests: &[Tested]) -> String {
         let (name, limb, count) = (labelled(scene.name(), scene.weightless()), settings.limb, self.trials);
         let mut text = format!(
             "{name}: limb {limb}, {count} trials each, {} iterations with a camera of {} mm\n\n\
@@ -92,6 +105,9 @@ impl Learn {
         line("all targets", [found.by_model.at_targets(), found.corrected.at_targets()]);
         line("at rest, single samples", [found.by_model.at_rest, found.corrected.at_rest]);
         line("whole way, single samples", [found.by_model.whole_way, found.corrected.whole_way]);
+        for test in tests {
+            line(&format!("tested in {}", test.scene), [test.by_model, test.learned]);
+        }
         let repeating = |score: &Score| {
             let (mean, error) = score.systematic_m();
             format!("{:.3} +- {:.3}", 1e3 * mean, 1e3 * error)
@@ -115,6 +131,13 @@ impl Learn {
     }
 }
 
+/// Errors at the targets of another scene, before learning and with what was learned.
+struct Tested {
+    scene: String,
+    by_model: Distances,
+    learned: Distances,
+}
+
 /// The result of `--json`.
 #[derive(Serialize)]
 struct Printed<'a> {
@@ -129,6 +152,14 @@ struct Printed<'a> {
     learned: PrintedScore<'a>,
     seen_m: &'a [f64],
     inverse_m: Option<f64>,
+    tests: Vec<PrintedTest<'a>>,
+}
+
+#[derive(Serialize)]
+struct PrintedTest<'a> {
+    scene: &'a str,
+    by_model: PrintedDistances,
+    learned: PrintedDistances,
 }
 
 #[derive(Serialize)]
@@ -155,7 +186,12 @@ struct PrintedDistances {
 }
 
 impl<'a> Printed<'a> {
-    fn new(scene: &'a Scene, settings: &Settings, found: &'a learning::Outcome) -> Self {
+    fn new(scene: &'a Scene, settings: &Settings, found: &'a learning::Outcome, tests: &'a [Tested]) -> Self {
+        let printed = |test: &'a Tested| PrintedTest {
+            scene: &test.scene,
+            by_model: test.by_model.into(),
+            learned: test.learned.into(),
+        };
         Self {
             scene: scene.name(),
             weightless: scene.weightless(),
@@ -168,6 +204,7 @@ impl<'a> Printed<'a> {
             learned: (&found.corrected).into(),
             seen_m: &found.observed_m,
             inverse_m: found.inverse_m,
+            tests: tests.iter().map(printed).collect(),
         }
     }
 }

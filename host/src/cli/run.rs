@@ -112,6 +112,7 @@ impl Run {
         let plan = motion::plan(&scene, &limb)?;
         let margins = margin_warning(&scene, &limb, &plan)?;
         let windings = limb.winding_warnings(&scene);
+        let moved = motion::moved_warnings(&scene, &limb, &plan);
         let planned = (limb.clone(), plan);
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()));
         let bar = bar(1000, "running");
@@ -138,7 +139,7 @@ impl Run {
         let summary = report::summary(&files.run);
         let before: Vec<String> =
             cancel.load(Ordering::Relaxed).then(|| "the run was canceled".to_owned()).into_iter().collect();
-        let after = [windings, margins.into_iter().collect()].concat();
+        let after = [windings, moved, margins.into_iter().collect()].concat();
         let result = RunSummary::new(&summary, Some(&limb), before, after);
         show(self.json, &result, || summary.table())?;
         if !self.json {

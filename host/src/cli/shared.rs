@@ -1,6 +1,6 @@
 //! Shared parts of the verbs: reading, writing, printing, progress, and options with units.
 
-use std::fmt::{Display, Write};
+use std::fmt::Display;
 use std::fs;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::results::bend::rows;
 use crate::results::with_bends;
 use softlimb_files::write_whole;
 use softlimb_limb::Limb;
-use softlimb_scene::{Corrections, Quantity, Scene};
+use softlimb_scene::{CorrectionRow, PhaseCorrections, Quantity, Scene};
 
 /// Destinations of a table.
 #[derive(Args)]
@@ -163,24 +163,36 @@ fn ends(unit: &str, range: [f64; 2]) -> Result<[f64; 2], String> {
     Ok([end(range[0])?, end(range[1])?])
 }
 
-/// Corrections as a CSV file: one row per instant; one column per module, or per actuator where those of a module differ.
-pub(super) fn corrections_csv(scene: &Scene, corrections: &Corrections) -> String {
-    let (mut header, mut columns, mut first) = (String::from("time_s"), Vec::new(), 0);
-    for module in scene.modules() {
-        let (name, channels) = (&module.name.value, first..first + usize::from(module.actuators));
-        first = channels.end;
-        if corrections.rows.iter().all(|row| row[channels.clone()].iter().all(|value| *value == row[channels.start])) {
-            let _ = write!(header, ",{name}");
-            columns.push(channels.start);
-        } else {
-            (1..=channels.len()).for_each(|number| header.push_str(&format!(",{name}.{number}")));
-            columns.extend(channels);
+/// Corrections as a CSV file: one row per instant of a phase; one column per module, or per actuator where those of a module differ, and again
+/// for the planned setpoints.
+pub(super) fn corrections_csv(scene: &Scene, corrections: &PhaseCorrections) -> String {
+    let (mut header, mut columns) = (["phase", "move", "hold_s"].map(str::to_owned).to_vec(), Vec::new());
+    let sets: [(&str, fn(&CorrectionRow) -> &Vec<f64>); 2] =
+        [("", |row| &row.values), (".planned", |row| &row.planned)];
+    for (suffix, set) in sets {
+        let mut first = 0;
+        for module in scene.modules() {
+            let (name, channels) = (&module.name.value, first..first + usize::from(module.actuators));
+            first = channels.end;
+            let are_equal = |row: &CorrectionRow| {
+                let own = &set(row)[channels.clone()];
+                own.iter().all(|value| *value == own[0])
+            };
+            if corrections.phases.iter().flatten().all(are_equal) {
+                header.push(format!("{name}{suffix}"));
+                columns.push((set, channels.start));
+            } else {
+                header.extend((1..=channels.len()).map(|number| format!("{name}{suffix}.{number}")));
+                columns.extend(channels.map(|channel| (set, channel)));
+            }
         }
     }
-    let mut text = header + "\n";
-    for (time_s, row) in corrections.times_s.iter().zip(&corrections.rows) {
-        let values: String = columns.iter().map(|column| format!(",{:.9}", row[*column])).collect();
-        let _ = writeln!(text, "{time_s:.4}{values}");
-    }
-    text
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let phases = scene.phases().iter().zip(&corrections.phases);
+    let rows = phases.flat_map(|(phase, rows)| rows.iter().map(|row| (&phase.name.value, row)));
+    let cells = rows.map(|(phase, row)| {
+        let when = [phase.clone(), format!("{:.6}", row.move_share), format!("{:.4}", row.hold_s)];
+        when.into_iter().chain(columns.iter().map(|(set, column)| format!("{:.9}", set(row)[*column])))
+    });
+    softlimb_files::table::written(&header, cells)
 }

@@ -9,7 +9,7 @@ use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Drive, Limb};
 use softlimb_motion as motion;
 use softlimb_motion::{Nominal, Plan, carried, payload_kg};
-use softlimb_scene::{Corrections, Scene};
+use softlimb_scene::{Corrections, PhaseCorrections, Scene};
 
 use crate::run::RunError;
 
@@ -24,7 +24,7 @@ const CONVERGED_PA: f64 = 0.1;
 ///
 /// # Errors
 /// [`RunError`] where the scene cannot be planned.
-pub fn equalizing(scene: &Scene, actuators: &[Actuator<f64>]) -> Result<Corrections, RunError> {
+pub fn equalizing(scene: &Scene, actuators: &[Actuator<f64>]) -> Result<PhaseCorrections, RunError> {
     let limb = Limb::new(scene)?;
     let plan = motion::plan(scene, &limb)?;
     let carried = carried(scene.phases());
@@ -44,7 +44,7 @@ pub fn equalizing(scene: &Scene, actuators: &[Actuator<f64>]) -> Result<Correcti
         corrections.times_s.push(1e-6 * time_us as f64);
         corrections.rows.push(limb.drives().zip(&pressures_pa).flat_map(of_drive).collect());
     }
-    Ok(corrections)
+    Ok(plan.by_phase(&limb, &corrections))
 }
 
 /// The ends of moves and holds, and times between them.

@@ -85,10 +85,6 @@ impl<'a> Learner<'a> {
         &self.corrections
     }
 
-    pub(super) fn into_corrections(self) -> Corrections {
-        self.corrections
-    }
-
     /// Updates the corrections by a run with the present ones; gives the observed error at rest, RMS, m, or `None` where the camera saw no tip at rest.
     pub(super) fn update(&mut self, samples: &[Sample]) -> Option<f64> {
         self.iterations += 1;

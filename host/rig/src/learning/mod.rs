@@ -17,7 +17,7 @@ use std::num::NonZero;
 use crate::camera::Camera;
 use crate::record::Sample;
 use crate::run::{Prepared, RunError};
-use softlimb_scene::{Corrections, Scene};
+use softlimb_scene::{Phase, PhaseCorrections, Scene};
 
 use learner::Learner;
 pub use load::{Tracking, UnderLoad, under_load};
@@ -48,7 +48,7 @@ pub struct Outcome {
     /// Runs with the corrections.
     pub corrected: Score,
     /// The corrections of the setpoints.
-    pub corrections: Corrections,
+    pub corrections: PhaseCorrections,
     /// Observed error at rest in each iteration, with the corrections from before it; RMS, m.
     pub observed_m: Vec<f64>,
     /// Bound of the tip's error at a target by the device's inverse, m; `None` where a module is not looked up in tables of a verified error.
@@ -70,6 +70,20 @@ pub enum LearningError {
         "in a run the camera has no image with a tip while the limb rests: `period` or `drop_outs` of `[camera]` is too large"
     )]
     Unseen,
+    /// A scene in which corrections are tested has another limb.
+    #[error("{scene} has other modules than the scene of the corrections")]
+    OtherLimb {
+        /// Name of the scene.
+        scene: String,
+    },
+    /// A scene in which corrections are tested has a phase that the scene of the corrections does not have.
+    #[error("{scene} has the phase `{phase}`, for which there are no corrections")]
+    OtherPhase {
+        /// Name of the scene.
+        scene: String,
+        /// Name of the phase.
+        phase: String,
+    },
     /// The limb fell.
     #[error("{time_s:.2} s into a run the limb has no equilibrium under its weight and payload")]
     Fell {
@@ -93,7 +107,8 @@ pub fn learn(scene: &Scene, settings: &Settings) -> Result<Outcome, LearningErro
     let (learner, prepared, observed_m) = iterate(&model, settings, &mut noises)?;
     let corrected = evaluate(&prepared, settings, &mut noises)?;
     let inverse_m = score::inverse_m(model.limb(), model.plan(), model.inverse_errors_pa());
-    Ok(Outcome { by_model, corrected, corrections: learner.into_corrections(), observed_m, inverse_m })
+    let corrections = model.plan().by_phase(model.limb(), learner.corrections());
+    Ok(Outcome { by_model, corrected, corrections, observed_m, inverse_m })
 }
 
 /// Evaluates runs of a scene with its own corrections and, if it asks for it, with feedback. Of the settings, only `limb`, `noise` and `runs` are used.
@@ -106,6 +121,38 @@ pub fn evaluate_as_is(scene: &Scene, settings: &Settings) -> Result<Score, Learn
         return Err(LearningError::NoTarget);
     }
     evaluate(&prepared, settings, &mut (1..).map(|run| settings.noise.wrapping_add(run)))
+}
+
+/// Evaluates runs of another scene of the same limb by the model alone, and with what was learned in a scene.
+///
+/// # Errors
+/// As [`learn`]; [`LearningError::OtherLimb`] and [`LearningError::OtherPhase`].
+pub fn transferred(
+    other: &Scene,
+    (scene, corrections): (&Scene, &PhaseCorrections),
+    settings: &Settings,
+) -> Result<[Score; 2], LearningError> {
+    let modules = |scene: &Scene| -> Vec<(String, u8)> {
+        scene.modules().iter().map(|module| (module.name.value.clone(), module.actuators)).collect()
+    };
+    if modules(other) != modules(scene) {
+        return Err(LearningError::OtherLimb { scene: other.name().to_owned() });
+    }
+    let rows_of = |phase: &Phase| {
+        let mut known = scene.phases().iter().zip(&corrections.phases);
+        let rows = known.find(|(own, _)| own.name.value == phase.name.value).map(|(_, rows)| rows.clone());
+        let unknown = || (other.name().to_owned(), phase.name.value.clone());
+        rows.ok_or_else(unknown).map_err(|(scene, phase)| LearningError::OtherPhase { scene, phase })
+    };
+    let phases = other.phases().iter().map(rows_of).collect::<Result<_, _>>()?;
+    let model = Prepared::by_model(other)?;
+    if !score::is_evaluated(model.plan()) {
+        return Err(LearningError::NoTarget);
+    }
+    let series = PhaseCorrections { phases }.over(&model.plan().phase_times());
+    let mut noises = (1..).map(|run| settings.noise.wrapping_add(run));
+    let by_model = evaluate(&model, settings, &mut noises)?;
+    Ok([by_model, evaluate(&model.corrected(&series)?, settings, &mut noises)?])
 }
 
 /// Learns from as many runs as the settings have iterations, with noise of these seeds. The run with the last corrections comes with the

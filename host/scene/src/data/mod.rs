@@ -9,7 +9,7 @@ mod task;
 mod thread;
 mod winding;
 
-pub use corrections::Corrections;
+pub use corrections::{CorrectionRow, Corrections, PhaseCorrections, PhaseTimes};
 pub use design::{Bounds, Choice, Design, ModuleBounds};
 pub use limb::{EndEffector, Limb, Module, ModuleSegment, WoundActuator};
 pub use motion::{
@@ -37,7 +37,7 @@ pub struct Scene {
     pub(super) modules: Vec<Module>,
     pub(super) phases: Vec<Phase>,
     pub(super) markers: Option<Located<Vec<Marker>>>,
-    pub(super) corrections: Option<Located<Corrections>>,
+    pub(super) corrections: Option<Located<PhaseCorrections>>,
     pub(super) obstacles: Vec<Obstacle>,
     pub(super) regions: Vec<Region>,
     pub(super) objects: Vec<Object>,
@@ -87,7 +87,7 @@ impl Scene {
     }
 
     /// Corrections of the planned setpoints in a run, located at the name of its file.
-    pub fn corrections(&self) -> Option<&Located<Corrections>> {
+    pub fn corrections(&self) -> Option<&Located<PhaseCorrections>> {
         self.corrections.as_ref()
     }
 

@@ -1,6 +1,6 @@
 //! A motion as a series of tip positions in a CSV file.
 
-use super::series::{Columns, series};
+use super::series::{Columns, TIME, series};
 use crate::data::Marker;
 use crate::error::quoted;
 use crate::reader::Reader;
@@ -19,7 +19,8 @@ pub(super) fn markers(root: &Reader<'_>, scene_name: &str) -> Option<Option<Loca
     let Some(value) = root.value(schema::scene::MARKERS.name) else { return Some(None) };
     let reader = Reader::open(root.log(), value, &keys::SECTION, &quoted(schema::scene::MARKERS.name))?;
     let names = vec!["x_m", "y_m", "z_m"];
-    let columns = Columns { what: "markers", names, counts: vec![1; 3], max: FAR_M, unit: " m" };
+    let (lead, then, counts) = (&[TIME][..], Vec::new(), vec![1; 3]);
+    let columns = Columns { what: "markers", lead, names, then, counts, max: FAR_M, unit: " m" };
     let rows = series(&reader, &keys::FILE, scene_name, &columns)?;
     let first_s = rows.value.first().map_or(0.0, |(time_s, _)| *time_s);
     Some(Some(rows.map(|rows| {

@@ -117,9 +117,9 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
     let objects = task::objects(&root);
     let design = design::design(&root, &drafts, regions.as_deref());
     let markers = markers::markers(&root, &source.name);
-    let corrections = corrections::corrections(&root, &source.name, &drafts);
     let phases =
         phase::phases(&root, &mut drafts, (regions.as_deref(), objects.as_deref()), markers.as_ref(), weight.as_ref());
+    let corrections = corrections::corrections(&root, &source.name, &drafts, phases.as_deref());
     check::channels(log, &drafts);
     check::pressures(log, &drafts, phases.as_deref(), limits.as_ref(), plant.as_ref());
     if let Some(plant) = &plant {

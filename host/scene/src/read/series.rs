@@ -15,14 +15,18 @@ const STEP_MIN_S: f64 = 1e-3;
 /// Longest series, s.
 const TIME_MAX_S: f64 = 3600.0;
 
-/// The first column, s.
-const TIME: &str = "time_s";
+/// The column of times, s.
+pub(super) const TIME: &str = "time_s";
 
-/// Columns of a file beside its times.
+/// Columns of a file.
 pub(super) struct Columns<'a> {
     /// Content of the file, in the plural.
     pub(super) what: &'a str,
+    /// The first ones, which state when a row holds.
+    pub(super) lead: &'a [&'a str],
     pub(super) names: Vec<&'a str>,
+    /// Those that may follow, all or none, each with as many values as its neighbour in `names`.
+    pub(super) then: Vec<String>,
     /// Values of each name: those of a column with the name, or each in a column `name.1`, `name.2` and so on.
     pub(super) counts: Vec<usize>,
     /// Largest absolute value, and its unit with a space before it.
@@ -33,19 +37,24 @@ pub(super) struct Columns<'a> {
 impl Columns<'_> {
     /// The number of values of each column of a first row; the error is the row that it must be.
     fn widths(&self, header: &[&str]) -> Result<Vec<usize>, String> {
-        let plain = || -> String { self.names.iter().flat_map(|name| [",", name]).collect() };
+        let plain = || [self.lead, &self.names].concat().join(",");
         let parts = || match self.names.iter().zip(&self.counts).find(|(_, count)| **count > 1) {
             None => String::new(),
             Some((name, count)) => format!("; `{name}` may be parted into `{name}.1` to `{name}.{count}`"),
         };
-        let wrong = || format!(":1: the first row must be `{TIME}{}`{}", plain(), parts());
-        let mut cells = header.iter().copied().peekable();
-        if cells.next() != Some(TIME) {
-            return Err(wrong());
-        }
+        let then = || match self.then.join(",") {
+            then if then.is_empty() => then,
+            then => format!("; `{then}` may follow"),
+        };
+        let wrong = || format!(":1: the first row must be `{}`{}{}", plain(), parts(), then());
+        let mut cells = header.strip_prefix(self.lead).ok_or_else(wrong)?.iter().copied().peekable();
         let mut widths = Vec::new();
-        for (name, count) in self.names.iter().zip(&self.counts) {
-            if cells.next_if(|cell| cell == name).is_some() {
+        let names = self.names.iter().copied().chain(self.then.iter().map(String::as_str));
+        for (index, (name, count)) in names.zip(self.counts.iter().cycle()).enumerate() {
+            if index == self.names.len() && cells.peek().is_none() {
+                break;
+            }
+            if cells.next_if(|cell| *cell == name).is_some() {
                 widths.push(*count);
                 continue;
             }
@@ -64,6 +73,31 @@ impl Columns<'_> {
     }
 }
 
+/// A row of a file.
+pub(super) struct Cells {
+    /// Number of its line.
+    pub(super) line: usize,
+    /// What is in the first columns.
+    pub(super) lead: Vec<String>,
+    /// The values, one for each count.
+    pub(super) values: Vec<f64>,
+}
+
+impl Cells {
+    /// A number in one of the first columns, with the column's name and range.
+    ///
+    /// # Errors
+    /// What is wrong, as it follows the file's name.
+    pub(super) fn number(&self, index: usize, column: &str, [low, high]: [f64; 2]) -> Result<f64, String> {
+        let why = match self.lead[index].parse::<f64>() {
+            Ok(found) if (low..=high).contains(&found) => return Ok(found),
+            Ok(found) if found.is_finite() => format!("{found} is not allowed: {low} to {high}"),
+            _ => format!("{} is not a finite number", quoted(&self.lead[index])),
+        };
+        Err(format!(":{}: `{column}`: {why}", self.line))
+    }
+}
+
 /// Time, s, and the values of a row.
 pub(super) type Row = (f64, Vec<f64>);
 
@@ -76,6 +110,17 @@ pub(super) fn series(
     scene_name: &str,
     columns: &Columns<'_>,
 ) -> Option<Located<Vec<Row>>> {
+    file(reader, key, scene_name, columns, timed)
+}
+
+/// What `read` makes of the rows of the file that `key` names; notes what is wrong.
+pub(super) fn file<T>(
+    reader: &Reader<'_>,
+    key: &'static Text,
+    scene_name: &str,
+    columns: &Columns<'_>,
+    read: impl FnOnce(Vec<Cells>) -> Result<T, String>,
+) -> Option<Located<T>> {
     let file = reader.text(key)?;
     let path = Path::new(scene_name).parent().unwrap_or(Path::new("")).join(file.value);
     let text = match read_text(&path) {
@@ -85,7 +130,7 @@ pub(super) fn series(
             return reader.log().note(Problem::at(file.span, title, reason.to_string()));
         }
     };
-    match rows(&text, columns) {
+    match rows(&text, columns).and_then(read) {
         Ok(rows) => Some(file.map(|_| rows)),
         Err(why) => reader.log().note(Problem::at(file.span, format!("{}{why}", file.value), "in this file")),
     }
@@ -95,75 +140,111 @@ pub(super) fn series(
 ///
 /// # Errors
 /// What is wrong, as it follows the file's name: `:row: column: reason`.
-fn rows(text: &str, columns: &Columns<'_>) -> Result<Vec<Row>, String> {
+fn rows(text: &str, columns: &Columns<'_>) -> Result<Vec<Cells>, String> {
     let mut lines = table::rows(text).map_err(|error| format!(": {error}"))?.into_iter();
     let header = lines.next();
     let header: Vec<&str> = header.iter().flat_map(table::Row::cells).collect();
     let widths = columns.widths(&header)?;
-    let mut rows: Vec<Row> = Vec::new();
-    for cells in lines {
-        let number = cells.line;
-        let (time_s, values) =
-            row(&cells, &header[1..], &widths, columns).map_err(|why| format!(":{number}: {why}"))?;
-        if rows.last().is_some_and(|(last_s, _)| time_s < last_s + STEP_MIN_S) {
-            return Err(format!(":{number}: `{TIME}`: {time_s} is not at least 1 ms after the row before"));
-        }
-        if rows.first().is_some_and(|(first_s, _)| time_s - first_s > TIME_MAX_S) {
-            return Err(format!(":{number}: `{TIME}`: the series is longer than {TIME_MAX_S} s"));
-        }
-        rows.push((time_s, values));
-    }
+    let read = |cells: table::Row| {
+        let line = cells.line;
+        row(&cells, &header, &widths, columns).map_err(|why| format!(":{line}: {why}"))
+    };
+    let rows = lines.map(read).collect::<Result<Vec<_>, _>>()?;
     match rows.len() {
-        2..=ROWS_MAX => Ok(rows),
+        0..=ROWS_MAX => Ok(rows),
+        count => Err(format!(": there are {count} rows below the header; at most {ROWS_MAX} are read")),
+    }
+}
+
+/// Rows as a series in time.
+fn timed(rows: Vec<Cells>) -> Result<Vec<Row>, String> {
+    let mut series: Vec<Row> = Vec::new();
+    for cells in rows {
+        let (line, time_s) = (cells.line, cells.number(0, TIME, [f64::MIN, f64::MAX])?);
+        if series.last().is_some_and(|(last_s, _)| time_s < last_s + STEP_MIN_S) {
+            return Err(format!(":{line}: `{TIME}`: {time_s} is not at least 1 ms after the row before"));
+        }
+        if series.first().is_some_and(|(first_s, _)| time_s - first_s > TIME_MAX_S) {
+            return Err(format!(":{line}: `{TIME}`: the series is longer than {TIME_MAX_S} s"));
+        }
+        series.push((time_s, cells.values));
+    }
+    match series.len() {
+        2.. => Ok(series),
         count => Err(format!(": there are {count} rows below the header; a series has 2 to {ROWS_MAX}")),
     }
 }
 
-fn row(row: &table::Row, names: &[&str], widths: &[usize], columns: &Columns<'_>) -> Result<Row, String> {
+fn row(row: &table::Row, header: &[&str], widths: &[usize], columns: &Columns<'_>) -> Result<Cells, String> {
     let cells: Vec<&str> = row.cells().collect();
-    let count = names.len() + 1;
-    let [time_s, values @ ..] = &cells[..] else { return Err(format!("0 values, not {count}")) };
-    if cells.len() != count {
-        return Err(format!("{} values, not {count}", cells.len()));
+    if cells.len() != header.len() {
+        return Err(format!("{} values, not {}", cells.len(), header.len()));
     }
-    let number = |cell: &str, column: &str, max: f64| match cell.parse::<f64>() {
-        Ok(found) if found.abs() <= max => Ok(found),
-        Ok(found) if found.is_finite() => Err(format!("`{column}`: {found} is beyond {max}{}", columns.unit)),
+    let (lead, values) = cells.split_at(columns.lead.len());
+    let number = |cell: &str, column: &str| match cell.parse::<f64>() {
+        Ok(found) if found.abs() <= columns.max => Ok(found),
+        Ok(found) if found.is_finite() => Err(format!("`{column}`: {found} is beyond {}{}", columns.max, columns.unit)),
         _ => Err(format!("`{column}`: {} is not a finite number", quoted(cell))),
     };
-    let time_s = number(time_s, TIME, f64::MAX)?;
     let mut all = Vec::new();
-    for ((cell, column), width) in values.iter().zip(names).zip(widths) {
-        all.extend(std::iter::repeat_n(number(cell, column, columns.max)?, *width));
+    for ((cell, column), width) in values.iter().zip(&header[columns.lead.len()..]).zip(widths) {
+        all.extend(std::iter::repeat_n(number(cell, column)?, *width));
     }
-    Ok((time_s, all))
+    Ok(Cells { line: row.line, lead: lead.iter().map(|cell| (*cell).to_owned()).collect(), values: all })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const LEAD: [&str; 1] = [TIME];
+
     fn read(text: &str) -> Result<Vec<Row>, String> {
         let names = vec!["x_m", "y_m", "z_m"];
-        rows(text, &Columns { what: "markers", names, counts: vec![1; 3], max: 100.0, unit: " m" })
+        let columns = Columns {
+            what: "markers",
+            lead: &LEAD,
+            names,
+            then: Vec::new(),
+            counts: vec![1; 3],
+            max: 100.0,
+            unit: " m",
+        };
+        rows(text, &columns).and_then(timed)
     }
 
     #[test]
     fn columns_may_be_parted() {
-        let columns =
-            Columns { what: "corrections", names: vec!["upper", "lower"], counts: vec![3, 2], max: f64::MAX, unit: "" };
-        let read = |text: &str| rows(text, &columns);
+        let columns = Columns {
+            what: "corrections",
+            lead: &LEAD,
+            names: vec!["upper", "lower"],
+            then: vec!["upper.planned".to_owned(), "lower.planned".to_owned()],
+            counts: vec![3, 2],
+            max: f64::MAX,
+            unit: "",
+        };
+        let read = |text: &str| rows(text, &columns).and_then(timed);
         let one_each = read("time_s,upper,lower\n0,1,2\n1,3,4\n").unwrap();
         assert_eq!(one_each, [(0.0, vec![1.0, 1.0, 1.0, 2.0, 2.0]), (1.0, vec![3.0, 3.0, 3.0, 4.0, 4.0])]);
         let parted = read("time_s,upper.1,upper.2,upper.3,lower\n0,1,2,3,4\n1,5,6,7,8\n").unwrap();
         assert_eq!(parted, [(0.0, vec![1.0, 2.0, 3.0, 4.0, 4.0]), (1.0, vec![5.0, 6.0, 7.0, 8.0, 8.0])]);
-        let must = ":1: the first row must be `time_s,upper,lower`; `upper` may be parted into `upper.1` to `upper.3`";
+        let more = read("time_s,upper,lower,upper.planned,lower.planned.1,lower.planned.2\n0,1,2,3,4,5\n1,0,0,0,0,0\n")
+            .unwrap();
+        assert_eq!(more[0].1, [1.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 3.0, 4.0, 5.0]);
+        let must = ":1: the first row must be `time_s,upper,lower`; `upper` may be parted into `upper.1` to `upper.3`; \
+                    `upper.planned,lower.planned` may follow";
         for wrong in ["time_s,lower,upper", "time_s,upper,lower,lower", "time_s,upper"] {
             assert_eq!(read(&format!("{wrong}\n0,1,2\n")).unwrap_err(), must, "{wrong}");
         }
         for (wrong, column, parted) in [
             ("time_s,upper.1,upper.2,lower", "upper.3", "`upper` is parted into `upper.1` to `upper.3`"),
             ("time_s,upper,lower.1", "lower.2", "`lower` is parted into `lower.1` to `lower.2`"),
+            (
+                "time_s,upper,lower,upper.planned,lower.planned.1",
+                "lower.planned.2",
+                "`lower.planned` is parted into `lower.planned.1` to `lower.planned.2`",
+            ),
         ] {
             let must = format!(":1: column `{column}` is missing: {parted}");
             assert_eq!(read(&format!("{wrong}\n0,1,2\n")).unwrap_err(), must, "{wrong}");

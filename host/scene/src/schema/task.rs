@@ -43,8 +43,8 @@ section! {
 }
 
 section! {
-    /// Corrections of the planned setpoints in a run, as `softlimb learn --csv` writes them for one limb; they are linear between the rows and
-    /// constant before the first and after the last. A corrected setpoint ends where its module's range ends.
+    /// Corrections of the planned setpoints in a run, as `softlimb learn --csv` writes them for one limb. They are linear between the rows, and
+    /// constant from the last row of a phase to the phase's end. A corrected setpoint ends where its module's range ends.
     corrections, "[corrections]";
-    FILE: Text { name: "file", is_name: false, presence: Required } = "A CSV file in the scene's folder with the columns `time_s` and one per module, by the modules' names and in their order, and 2 to 10000 rows. Columns `name.1`, `name.2` and so on instead of `name` correct the actuators of a module one by one. Values are in m, rad or Pa as the module's setpoints are, without unit for a stretch. Times are those since the start of the run, and rise.";
+    FILE: Text { name: "file", is_name: false, presence: Required } = "A CSV file in the scene's folder with the columns `phase`, `move`, `hold_s` and one per module, by the modules' names and in their order, and at most 10000 rows. `phase` is the name of a phase; each phase of the scene has a row at least, and rows of other phases are left out. `move` is the share of its move from 0 to 1, and `hold_s` the time since the end of the move: they rise from row to row of a phase. Columns `name.1`, `name.2` and so on instead of `name` correct the actuators of a module one by one. Values are in m, rad or Pa as the module's setpoints are, without unit for a stretch. Columns `name.planned` may follow, with the planned setpoints that were corrected: a phase whose goal has others causes a warning.";
 }
