@@ -156,10 +156,10 @@ fn plain_loops_keep_chambers_below_the_limit_and_do_not_name_the_valve() {
     }
 }
 
-/// 720 plants of 120 s are 24 h of a limb, the tenth of them 2.4 h.
+/// 3000 plants of 120 s are 100 h of a limb, the tenth of them 10 h.
 #[test]
 fn sound_plants_raise_no_fault() {
-    for seed in 0..samples(720) as u64 {
+    for seed in 0..samples(3000) as u64 {
         let mut settings = plant(seed);
         settings.plant.supply = Supply::Regulated { pressure_pa: 200e3 };
         settings.plant.spread = Spread { volume: 0.1, valve_conductance: 0.067, valve_delay: 0.1, ..Spread::default() };

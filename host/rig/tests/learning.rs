@@ -4,7 +4,7 @@ use std::num::NonZero;
 
 use softlimb_design::from_scene::{redesigned_limb, task};
 use softlimb_design::synthesis as path;
-use softlimb_rig::learning::{LearningError, Score, Settings, learn};
+use softlimb_rig::learning::{LearningError, Score, Settings, learn, transferred};
 use softlimb_rig::run::RunError;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
@@ -85,8 +85,25 @@ fn limb_that_carries_a_bottle_hits_its_targets_by_single_actuators() {
     assert!(after.rmse_m() <= 0.27e-3, "{after:?}");
     let across_m = |score: &Score| score.targets.iter().map(|target| target.mean_m().y.abs()).fold(0.0, f64::max);
     assert!(across_m(&found.by_model) > 30e-3 && across_m(&found.corrected) < 0.5e-3);
-    let last = found.corrections.rows.last().unwrap();
+    let last = &found.corrections.phases.last().unwrap().last().unwrap().values;
     assert!(last[0] != last[1] && last[3] == last[4], "{last:?}");
+    // Other holds and slower moves of the same limb: the corrections are those of the phases, not of the time.
+    let text = include_str!("../../../scenes/pick-and-place-a.toml");
+    let longer = text.replace("hold = \"3 s\"", "hold = \"8 s\"");
+    let slower =
+        text.replace("duration = \"9 s\"", "duration = \"11 s\"").replace("duration = \"24 s\"", "duration = \"28 s\"");
+    for (changes, text, most_m) in [("holds of 8 s", longer, 1.2e-3), ("slower moves", slower, 0.5e-3)] {
+        let other = read(&text);
+        let learned = (&scene, &found.corrections);
+        let [before, after] =
+            transferred(&other, learned, &settings(&scene, 0, 1)).unwrap().map(|score| score.at_targets());
+        println!(
+            "{changes}: {:.2} mm by the model, {:.3} mm with the corrections",
+            1e3 * before.rmse_m(),
+            1e3 * after.rmse_m()
+        );
+        assert!(before.rmse_m() > 30e-3 && after.rmse_m() < most_m, "{changes}: {before:?} {after:?}");
+    }
 }
 
 /// Corrections at its natural frequency would grow from run to run.
@@ -125,8 +142,8 @@ fn exact_model_needs_no_correction() {
     let errors_m = [&found.by_model, &found.corrected].map(|score| score.at_targets().rmse_m());
     assert!(errors_m.iter().all(|error_m| *error_m < 1e-3), "{errors_m:?}");
     // At the ends of the pauses the corrections are as small.
-    let ends_s = (1..=scene.phases().len()).map(|phase| 2.5 * phase as f64);
-    let corrections_rad: Vec<f64> = ends_s.flat_map(|end_s| found.corrections.at(end_s)).collect();
+    let ends = found.corrections.phases.iter().filter_map(|rows| rows.last());
+    let corrections_rad: Vec<f64> = ends.flat_map(|row| row.values.clone()).collect();
     println!("{errors_m:?} m, {corrections_rad:?} rad");
     assert!(corrections_rad.iter().all(|value| value.abs() < 1e-2), "{corrections_rad:?}");
 }

@@ -55,7 +55,7 @@ fn run_reads_back_exactly() {
     run.shapes[1].achieved = None;
     run.bodies[1].nearest = None;
     run.bodies[2].tip_unloaded_m = None;
-    run.info.feedback = true;
+    (run.info.feedback, run.info.corrections) = (true, true);
     run.contacts = vec![record::ContactRecord {
         obstacle: "rim".into(),
         force_n: 0.1 + 0.2,

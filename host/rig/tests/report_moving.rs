@@ -161,16 +161,18 @@ fn columns_of_phases_without_content_are_left_out() {
     for heading in ["tip error, mm", "by pressure", "by model"] {
         assert!(headings.contains(&heading), "{heading} of {headings:?}");
     }
-    run.info.feedback = true;
-    let page = html(&run);
-    let headings = phase_headings(&page);
-    assert!(headings.contains(&"tip error, mm"), "{headings:?}");
-    for heading in ["by pressure", "by model", "by sag"] {
-        assert!(!headings.contains(&heading), "{heading} of {headings:?}");
+    for (feedback, corrections) in [(true, false), (false, true)] {
+        (run.info.feedback, run.info.corrections) = (feedback, corrections);
+        let page = html(&run);
+        let headings = phase_headings(&page);
+        assert!(headings.contains(&"tip error, mm"), "{headings:?}");
+        for heading in ["by pressure", "by model", "by sag"] {
+            assert!(!headings.contains(&heading), "{heading} of {headings:?}");
+        }
+        assert!(!page.contains("The causes add as vectors") && page.contains("not split into causes"));
     }
-    assert!(!page.contains("The causes add as vectors") && page.contains("not split into causes"));
     // Nobody saw the limb.
-    run.info.feedback = false;
+    (run.info.feedback, run.info.corrections) = (false, false);
     run.samples.iter_mut().for_each(|sample| sample.tip_achieved_m = None);
     run.bodies.iter_mut().for_each(|body| body.tip_unloaded_m = None);
     let page = html(&run);

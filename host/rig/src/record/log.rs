@@ -139,12 +139,20 @@ pub struct RunInfo {
     /// Whether a camera's images corrected the setpoints.
     #[serde(default)]
     pub feedback: bool,
+    /// Whether the setpoints had the corrections of the scene.
+    #[serde(default)]
+    pub corrections: bool,
     /// Faults that a simulated run meets on purpose.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub injected_faults: Vec<InjectedFault>,
 }
 
 impl RunInfo {
+    /// Whether the setpoints differed from the planned ones on purpose. The model is then not meant to be at the plan, but the limb is.
+    pub fn is_corrected(&self) -> bool {
+        self.feedback || self.corrections
+    }
+
     /// Number of pressure channels: one past the last channel of any module.
     pub fn channel_count(&self) -> usize {
         self.modules.iter().map(|module| module.channels.end).max().unwrap_or(0)

@@ -11,8 +11,9 @@ use std::str::FromStr;
 const INJECTED: &str = "injected_faults";
 /// Key of the simulated limb.
 const TRUTH: &str = "true_limb";
-/// Key of feedback by a camera.
+/// Keys of what corrected the setpoints.
 const FEEDBACK: &str = "feedback";
+const CORRECTIONS: &str = "corrections";
 /// Key of the highest true pressures.
 const PEAKS: &str = "peak_chamber_pa";
 const TARGETS: &str = "targets";
@@ -46,6 +47,9 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
     }
     if info.feedback {
         metadata.insert(FEEDBACK.into(), true.to_string());
+    }
+    if info.corrections {
+        metadata.insert(CORRECTIONS.into(), true.to_string());
     }
     if !info.injected_faults.is_empty() {
         metadata.insert(INJECTED.into(), to_json(&info.injected_faults));
@@ -116,6 +120,7 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
         weightless: run.contains_key(WEIGHTLESS) && fields.parse(WEIGHTLESS)?,
         truth: run.get(TRUTH).cloned(),
         feedback: run.contains_key(FEEDBACK) && fields.parse(FEEDBACK)?,
+        corrections: run.contains_key(CORRECTIONS) && fields.parse(CORRECTIONS)?,
     };
     check_modules(&info)?;
     Ok(info)

@@ -85,7 +85,7 @@ pub(super) fn outcomes(log: &RunLog) -> Vec<Outcome<'_>> {
     let length_m = length_m(log);
     let outcome = |phase| {
         let (tip, place_m) = at_end(log, phase).unzip();
-        let tip = if log.info.feedback { tip.map(Causes::unsplit) } else { tip };
+        let tip = if log.info.is_corrected() { tip.map(Causes::unsplit) } else { tip };
         let goal = goal(log, phase, (tip.and_then(|tip| tip.total_m), place_m.flatten()), length_m);
         let swing_m = swing::seen_m(log, phase).filter(|_| tip.is_some());
         Outcome { phase, tip, goal, nearest: nearest(log, phase), swing_m }

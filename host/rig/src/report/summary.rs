@@ -25,6 +25,8 @@ pub struct Summary {
     pub truth: Option<String>,
     /// Whether a camera's images corrected the setpoints.
     pub feedback: bool,
+    /// Whether the setpoints had the corrections of the scene.
+    pub corrections: bool,
     /// Seed of everything random in a simulated run; absent on a device.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
@@ -170,6 +172,7 @@ pub fn summary(log: &RunLog) -> Summary {
         weightless: log.info.weightless,
         truth: log.info.truth.clone(),
         feedback: log.info.feedback,
+        corrections: log.info.corrections,
         seed: log.info.seed,
         duration_s,
         samples: log.samples.len(),
@@ -208,8 +211,8 @@ fn schedule(info: &RunInfo) -> Option<(f64, f64)> {
 }
 
 fn misses(info: &RunInfo, samples: &[&Sample]) -> Vec<Miss> {
-    if info.feedback {
-        // It may take model and limb away from a module's planned value, to bring the tip to the plan.
+    if info.is_corrected() {
+        // Corrections may take model and limb away from a module's planned value, to bring the tip to the plan.
         return Vec::new();
     }
     let ends = info.phases.iter().filter_map(|phase| {
@@ -234,7 +237,6 @@ fn misses(info: &RunInfo, samples: &[&Sample]) -> Vec<Miss> {
                 (!errors.is_empty()).then(|| (errors.iter().sum::<f64>() / errors.len() as f64).abs())
             };
             let modelled = mean(&|value| Some(value.modelled - value.setpoint))?;
-            // With corrections the model is not meant to be there, but the limb is.
             let off = mean(&|value| Some(value.achieved? - value.setpoint)).map_or(modelled, |seen| seen.min(modelled));
             let share_of_travel = off / travel;
             let miss = Miss { module: module.name.clone(), phase: phase.name.clone(), share_of_travel };
@@ -286,7 +288,7 @@ fn tip(log: &RunLog, samples: &[&Sample]) -> TipSummary {
     TipSummary {
         final_error_m: samples.last().and_then(error),
         error_m: ErrorStats::of(samples.iter().filter_map(error)),
-        tracking_error_m: ErrorStats::of(samples.iter().map(tracking).filter(|_| !log.info.feedback)),
+        tracking_error_m: ErrorStats::of(samples.iter().map(tracking).filter(|_| !log.info.is_corrected())),
         at_holds_m: super::tip::at_holds_m(log),
         across_m: super::tip::across_m(log, samples),
     }

@@ -43,7 +43,8 @@ pub(super) fn origin(summary: &Summary) -> String {
         (true, None) => "simulated".to_owned(),
         (false, _) => "on a device".to_owned(),
     };
-    let words = summary.truth.as_deref().into_iter().chain(summary.feedback.then_some("feedback by camera"));
+    let words = summary.truth.as_deref().into_iter().chain(summary.corrections.then_some("corrected setpoints"));
+    let words = words.chain(summary.feedback.then_some("feedback by camera"));
     let origin = words.fold(origin, |origin, words| format!("{origin}, {words}"));
     labelled(&origin, summary.weightless)
 }

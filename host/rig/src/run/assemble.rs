@@ -398,6 +398,7 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, phases: Vec<PhaseInfo>, origi
         weightless: seed.is_some() && scene.weightless(),
         truth: seed.and_then(|_| scene.plant().truth.label()),
         feedback: false,
+        corrections: false,
         injected_faults: Vec::new(),
     }
 }

@@ -233,6 +233,7 @@ fn info(channels: usize, start_unix_ns: u64, device: Option<&DeviceInfo>) -> Run
         weightless: false,
         truth: None,
         feedback: false,
+        corrections: false,
         injected_faults: Vec::new(),
     }
 }

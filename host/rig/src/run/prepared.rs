@@ -147,6 +147,7 @@ impl<'a> Prepared<'a> {
     pub(super) fn info(&self, origin: Origin) -> RunInfo {
         let mut info = run_info(self.scene, &self.limb, phase_infos(self.scene, &self.plan), origin);
         info.feedback = self.feedback.is_some();
+        info.corrections = self.scene.corrections().is_some();
         for object in &mut info.carried {
             object.start_m = Some(self.plan.tip_m(&self.limb, object.from_s * 1e6));
         }

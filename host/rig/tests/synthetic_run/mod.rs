@@ -64,6 +64,7 @@ pub(crate) fn info() -> RunInfo {
         weightless: false,
         truth: None,
         feedback: false,
+        corrections: false,
         injected_faults: Vec::new(),
     }
 }

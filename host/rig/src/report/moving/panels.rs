@@ -114,8 +114,7 @@ impl Filled<'_> {
         let seen = log.samples.iter().any(|sample| sample.tip_achieved_m.is_some());
         let sags = log.bodies.iter().any(|body| body.tip_unloaded_m.is_some());
         let mut traces = Vec::new();
-        // With feedback the model is not meant to be at the setpoint.
-        let splits = !log.info.feedback;
+        let splits = !log.info.is_corrected();
         if splits {
             self.sample("by_pressure", MM, move |sample| of(sample, |parts| parts.pressure_m));
             traces.push(sample_trace("pressure", "by_pressure", "line", 1));
