@@ -13,7 +13,7 @@ const GAIN_MAX: f32 = 3.0;
 const DOUBT_FIRST: f32 = 2.2;
 const DOUBT_LEAST: f32 = 1.4;
 
-/// Number of effects for which the other valve's gain counts, beyond the own ones: conductances and delays of the two differ.
+/// Effects by which the other valve's gain counts more than the own effects: conductances and delays of the two differ.
 const BORROWED: u8 = 3;
 
 /// Number of effects after which the doubt is least; smallest effect that counts, Pa; share of an innovation that a gain takes, before and after.
@@ -39,7 +39,7 @@ impl Gain {
         self.beyond_one += rate * (gain.clamp(GAIN_MIN, GAIN_MAX) - 1.0 - self.beyond_one);
     }
 
-    /// The gain, or with more doubt that of the other valve where more is known of it: volume and compliance are common to both.
+    /// The gain; or the other valve's, with more doubt, if more of its effects are known: volume and compliance are common to both.
     fn or(self, other: Self) -> Self {
         if other.count > self.count { Self { count: other.count.min(self.count + BORROWED), ..other } } else { self }
     }
@@ -75,8 +75,8 @@ const COOLING: f32 = 0.29;
 const WARMING: f32 = 0.33;
 const HEAT_S: f32 = 0.1;
 
-/// Most rise that is due after a fall that no valve explains, Pa, and its shortest and longest time constant, s: a limb that is moved twice a second
-/// compresses its chambers again after a quarter of a second.
+/// Largest rise due after a fall that no valve explains, Pa, and its shortest and longest time constant, s. A limb moved at 2 Hz comes back within
+/// 0.25 s. The rise itself is taken off what is due, so that a part of it is explained.
 const RETURN_PA: f32 = 2e3;
 const RETURN_S: [f32; 2] = [0.05, 0.5];
 
@@ -325,9 +325,12 @@ mod tests {
     #[test]
     fn moved_chamber_is_no_finding() {
         // 3.6 kPa to and fro, twice a second: a rise of them alone would be excess air.
-        let place_pa = |index: i32| 1.8e3 * (0.02 * 2.0 * core::f32::consts::TAU * index as f32).cos();
-        let moved = (0..200).map(|index| (0.0, place_pa(index + 1) - place_pa(index)));
-        assert_eq!(after(moved).finding(), None);
+        let moved = |amplitude_pa: f32| {
+            let place_pa = |index: i32| amplitude_pa * (0.02 * 2.0 * core::f32::consts::TAU * index as f32).cos();
+            after((0..200).map(|index| (0.0, place_pa(index + 1) - place_pa(index)))).finding()
+        };
+        assert_eq!(moved(1.8e3), None);
+        assert!(moved(2.2e3).is_some());
         assert_eq!(after((0..12).map(|_| (0.0, 0.3e3))).finding(), Some(FaultCode::ExcessAir));
     }
 

@@ -59,8 +59,8 @@ impl Color {
 pub enum Stroke {
     /// Measurements.
     Solid,
-    /// Measurements under others of about the same values: their edges stay in sight. The number of lines above this one.
-    Nested(u8),
+    /// Measurements under others of about the same values: their edges stay in sight. The number of lines above this one, and of all.
+    Nested(u8, u8),
     /// Set points.
     Dashed,
     /// Predictions of a model.
@@ -86,7 +86,7 @@ impl Stroke {
     /// Class name in the style sheet.
     fn class(self) -> &'static str {
         match self {
-            Self::Solid | Self::Nested(_) => "solid",
+            Self::Solid | Self::Nested(..) => "solid",
             Self::Dashed => "dashed",
             Self::Dotted => "dotted",
             Self::Dots => "dots",

@@ -16,6 +16,8 @@ const BOTTOM: f64 = 40.0;
 const ROW: f64 = 18.0;
 /// Width of the uppermost line of several on each other, and their difference in width, px.
 const NESTED: [f64; 2] = [1.5, 2.0];
+/// Largest difference in width of nested lines, px.
+const NESTED_MOST: f64 = 6.0;
 /// Width of a letter at the size of the legend, px: a generous guess, as no font is
 /// measured.
 const LETTER: f64 = 6.8;
@@ -299,8 +301,10 @@ impl Frame {
 
 /// The width of a line as an attribute, where it is not that of the style sheet.
 fn width(series: &Series) -> String {
-    let Stroke::Nested(above) = series.stroke else { return String::new() };
-    format!(" style=\"stroke-width:{}\"", NESTED[0] + NESTED[1] * f64::from(above))
+    let Stroke::Nested(above, count) = series.stroke else { return String::new() };
+    let step = NESTED[1].min(NESTED_MOST / f64::from(count.max(2) - 1));
+    let width = NESTED[0] + step * f64::from(above);
+    format!(" style=\"stroke-width:{}\"", (100.0 * width).round() / 100.0)
 }
 
 fn is_mark(stroke: Stroke) -> bool {

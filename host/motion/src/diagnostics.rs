@@ -303,7 +303,7 @@ impl Words<'_> {
     fn correction(&self, time_s: f64, module: usize, value: f64) -> SceneError {
         let module = self.module(module);
         let (rest, last) = module.range();
-        let title = format!("the correction of `{}` at {time_s} s is larger than its range", module.name);
+        let title = format!("the correction of `{}` at {time_s} s of the run is larger than its range", module.name);
         let [value, rest, last] = [value, rest, last].map(|value| in_units(module.kind, value));
         let label = format!("{value} here, and setpoints are from {rest} to {last}");
         let help = "corrections are in m, rad or Pa, as `softlimb learn --csv` writes them";

@@ -6,7 +6,7 @@ use softlimb_limb::statics::Bundle;
 use softlimb_motion as motion;
 use softlimb_motion::{Plan, Sent, solve_tip};
 use softlimb_scene as scene;
-use softlimb_scene::Scene;
+use softlimb_scene::{Corrections, Scene};
 
 fn scene(name: &str) -> Scene {
     scene::load(format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))).expect("a scene of the repository")
@@ -38,6 +38,38 @@ fn phases_end_at_their_targets_and_modules_left_out_keep_theirs() {
     }
     assert_eq!(plan.duration_us(), 15_000_000);
     assert_eq!(plan.values_at(0.0), [1.0, 0.0, 1.0]);
+}
+
+/// Also where an instant is within the microsecond clock of an end of a phase, and none at all is in another phase.
+#[test]
+fn corrections_by_phase_are_the_same_over_the_same_times() {
+    let scene = scene("weightless-a");
+    let limb = Limb::new(&scene).unwrap();
+    let plan = motion::plan(&scene, &limb).unwrap();
+    let times = plan.phase_times();
+    let end_s = times[1].end_s();
+    let times_s = vec![0.3, 0.31, times[0].end_s(), times[1].start_s + 0.7, end_s - 2e-7, times[3].end_s()];
+    let rows = (0..times_s.len()).map(|index| vec![(index * index) as f64; limb.channels()]).collect();
+    let corrections = Corrections { times_s, rows };
+    let by_phase = plan.by_phase(&limb, &corrections);
+    let over = by_phase.over(&times);
+    for ms in 0..plan.duration_us() / 1_000 {
+        let time_s = 1e-3 * ms as f64;
+        let (found, expected) = (over.at(time_s)[0], corrections.at(time_s)[0]);
+        assert!((found - expected).abs() < 1e-4, "{time_s} s: {found} and not {expected}");
+    }
+    // In a file, too, rows rise: it has 0.1 ms, and nine decimals of the way.
+    for rows in &by_phase.phases {
+        assert!(
+            rows.windows(2)
+                .all(|pair| pair[1].move_share - pair[0].move_share > 1e-6 || pair[1].hold_s - pair[0].hold_s > 1e-4)
+        );
+        assert_eq!(rows.last().map(|row| row.move_share), Some(1.0));
+        assert!(rows.iter().any(|row| (row.move_share, row.hold_s) == (1.0, 0.0)), "{rows:?}");
+    }
+    // The planned setpoints of an end are the targets of its phase.
+    let planned = &by_phase.phases[0].last().unwrap().planned;
+    assert!((planned[0] - 1.12).abs() < 1e-6 && (planned[3] - 40_f64.to_radians()).abs() < 1e-6, "{planned:?}");
 }
 
 /// Extension, bend, extension in one plane: the tip by elementary geometry from the targets. The bend's axis is `R_o` outside of

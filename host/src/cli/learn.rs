@@ -60,8 +60,9 @@ impl Learn {
             runs: NonZero::new(self.trials).unwrap_or(NonZero::<u32>::MIN),
             camera_noise_m: self.camera.as_ref().map_or(stated_m, Quantity::si),
         };
-        let others = self.tests.iter().map(|file| scene::load(file)).collect::<Result<Vec<_>, _>>()?;
+        let others = self.tests.iter().map(scene::load).collect::<Result<Vec<_>, _>>()?;
         let found = learn(&scene, &settings)?;
+        write_if(self.csv.as_ref(), || corrections_csv(&scene, &found.corrections))?;
         let test = |other: &Scene| {
             let [by_model, learned] = transferred(other, (&scene, &found.corrections), &settings)?;
             Ok(Tested {
@@ -71,7 +72,6 @@ impl Learn {
             })
         };
         let tests = others.iter().map(test).collect::<Result<Vec<_>, LearningError>>()?;
-        write_if(self.csv.as_ref(), || corrections_csv(&scene, &found.corrections))?;
         show_of(self.json, &Limb::new(&scene)?, &Printed::new(&scene, &settings, &found, &tests), || {
             self.table(&scene, &settings, &found, &tests)
         })?;

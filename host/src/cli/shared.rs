@@ -167,8 +167,8 @@ fn ends(unit: &str, range: [f64; 2]) -> Result<[f64; 2], String> {
 /// for the planned setpoints.
 pub(super) fn corrections_csv(scene: &Scene, corrections: &PhaseCorrections) -> String {
     let (mut header, mut columns) = (["phase", "move", "hold_s"].map(str::to_owned).to_vec(), Vec::new());
-    let sets: [(&str, fn(&CorrectionRow) -> &Vec<f64>); 2] =
-        [("", |row| &row.values), (".planned", |row| &row.planned)];
+    type Values = fn(&CorrectionRow) -> &Vec<f64>;
+    let sets: [(&str, Values); 2] = [("", |row| &row.values), (".planned", |row| &row.planned)];
     for (suffix, set) in sets {
         let mut first = 0;
         for module in scene.modules() {
@@ -191,7 +191,7 @@ pub(super) fn corrections_csv(scene: &Scene, corrections: &PhaseCorrections) -> 
     let phases = scene.phases().iter().zip(&corrections.phases);
     let rows = phases.flat_map(|(phase, rows)| rows.iter().map(|row| (&phase.name.value, row)));
     let cells = rows.map(|(phase, row)| {
-        let when = [phase.clone(), format!("{:.6}", row.move_share), format!("{:.4}", row.hold_s)];
+        let when = [phase.clone(), format!("{:.9}", row.move_share), format!("{:.6}", row.hold_s)];
         when.into_iter().chain(columns.iter().map(|(set, column)| format!("{:.9}", set(row)[*column])))
     });
     softlimb_files::table::written(&header, cells)

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use fra_model::Motion;
+
 use super::mold::{CAP_M, FIT_M, HOLD_M, RECESS_M, SPIGOT_M, base_radius_m, shell_radius_m};
 use super::piece::Piece;
 use super::{Hand, Winding, path};
@@ -17,6 +19,8 @@ const LEFT: f64 = 60.0;
 const TOP: f64 = 34.0;
 /// Chords of the drawn thread, as a share of its radius.
 const CHORD: f64 = 0.02;
+/// Half the drawn width of a strain-limiting layer across, rad: the model takes it as a line.
+const LAYER_RAD: f64 = 0.12;
 
 /// The drawing of a piece as an SVG element.
 pub(super) fn drawing(piece: &Piece) -> String {
@@ -87,6 +91,25 @@ pub(super) fn drawing(piece: &Piece) -> String {
         "<circle class=\"hidden\" cx=\"{middle_x:.2}\" cy=\"{middle_y:.2}\" r=\"{:.2}\"/>",
         winding.radius_m * across_scale
     );
+    let label_x = middle_x + ACROSS / 2.0 + 30.0;
+    if parameters.motion == Motion::Bending {
+        let (sin, cos) = f64::sin_cos(LAYER_RAD);
+        let (radius, top) = (ACROSS / 2.0, middle_y - ACROSS / 2.0);
+        let _ = writeln!(
+            svg,
+            "<path class=\"layer\" d=\"M{LEFT} {:.2}h{long:.2}\"/>\
+             <path class=\"layer\" d=\"M{:.2} {:.2}A{radius:.2} {radius:.2} 0 0 1 {:.2} {:.2}\"/>\
+             <path class=\"dimension\" d=\"M{middle_x:.2} {top:.2}H{label_x:.2}\"/>\
+             <text class=\"start\" x=\"{:.1}\" y=\"{:.1}\">strain-limiting layer, on the side to which the actuator bends</text>",
+            axis - half,
+            middle_x - radius * sin,
+            middle_y - radius * cos,
+            middle_x + radius * sin,
+            middle_y - radius * cos,
+            label_x + 5.0,
+            top + 4.0
+        );
+    }
     let notes = [
         (outer_m, -0.7, format!("outer diameter {} mm", mm(2.0 * outer_m))),
         (winding.radius_m, -0.1, format!("thread on diameter {} mm", mm(2.0 * winding.radius_m))),
@@ -95,7 +118,7 @@ pub(super) fn drawing(piece: &Piece) -> String {
     for (radius_m, lean, text) in notes {
         let (sin, cos) = f64::sin_cos(lean);
         let (x, y) = (middle_x + radius_m * across_scale * cos, middle_y + radius_m * across_scale * sin);
-        let (end, label) = (middle_x + ACROSS / 2.0 + 30.0, middle_y + ACROSS / 2.0 * sin);
+        let (end, label) = (label_x, middle_y + ACROSS / 2.0 * sin);
         let _ = writeln!(
             svg,
             "<path class=\"dimension\" d=\"M{x:.2} {y:.2}L{end:.2} {label:.2}\"/><text class=\"start\" x=\"{:.1}\" y=\"{:.1}\">{text}</text>",
@@ -116,7 +139,7 @@ pub(super) fn mold_drawing(piece: &Piece) -> String {
     let half = base_m * scale;
     let (axis, begin) = (TOP + half, LEFT + HOLD_M * scale);
     let (long, end) = (length_m * scale, LEFT + whole_m * scale);
-    let cap_top = axis + half + 96.0;
+    let cap_top = axis + half + 106.0;
     let cap_scale = (0.5 * ACROSS / outer_m).min(0.5 * ACROSS / (CAP_M + SPIGOT_M));
     let cap_axis = cap_top + outer_m * cap_scale;
     let height = cap_axis + outer_m * cap_scale + 16.0;
@@ -162,6 +185,8 @@ pub(super) fn mold_drawing(piece: &Piece) -> String {
             line - 5.0
         );
     }
+    let _ =
+        writeln!(svg, "<text class=\"start\" x=\"{LEFT}\" y=\"{:.1}\">cap, cut along its axis</text>", cap_top - 12.0);
     cap_section(&mut svg, piece, cap_axis, cap_scale);
     let lines = [
         format!("core: diameter {} mm", mm(2.0 * inner_m)),

@@ -105,6 +105,12 @@ fn bending_actuator_says_where_its_layer_lies() {
     assert_eq!(places, [side("34.00"), side("0.00"), side("-34.00")]);
     assert_eq!(elbow.copies.iter().map(|copy| copy.channel).collect::<Vec<_>>(), [3, 4, 5]);
     assert!(sheet.pages[0].tables.iter().all(|table| table.title != "Strain-limiting layer"));
+    // Drawn along the actuator and across it, and named once.
+    let text = html(&sheet, &pieces);
+    let drawn = text.split("<section>").skip(1).map(|page| {
+        [page.matches("<path class=\"layer\"").count(), page.matches("strain-limiting layer, on the side").count()]
+    });
+    assert_eq!(drawn.collect::<Vec<_>>(), [[0, 0], [2, 1], [0, 0]]);
     // A lead of two distances, both hands.
     assert!((pieces[1].winding.lead_m() - 4e-3).abs() < 1e-15);
 }

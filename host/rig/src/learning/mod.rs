@@ -17,7 +17,7 @@ use std::num::NonZero;
 use crate::camera::Camera;
 use crate::record::Sample;
 use crate::run::{Prepared, RunError};
-use softlimb_scene::{Phase, PhaseCorrections, Scene};
+use softlimb_scene::{Module, Phase, PhaseCorrections, Scene};
 
 use learner::Learner;
 pub use load::{Tracking, UnderLoad, under_load};
@@ -71,7 +71,7 @@ pub enum LearningError {
     )]
     Unseen,
     /// A scene in which corrections are tested has another limb.
-    #[error("{scene} has other modules than the scene of the corrections")]
+    #[error("{scene} has other modules, actuators or quantities of setpoints than the scene of the corrections")]
     OtherLimb {
         /// Name of the scene.
         scene: String,
@@ -132,8 +132,9 @@ pub fn transferred(
     (scene, corrections): (&Scene, &PhaseCorrections),
     settings: &Settings,
 ) -> Result<[Score; 2], LearningError> {
-    let modules = |scene: &Scene| -> Vec<(String, u8)> {
-        scene.modules().iter().map(|module| (module.name.value.clone(), module.actuators)).collect()
+    let modules = |scene: &Scene| -> Vec<_> {
+        let quantity = |module: &Module| (module.name.value.clone(), module.actuators, module.setpoint_kind);
+        scene.modules().iter().map(quantity).collect()
     };
     if modules(other) != modules(scene) {
         return Err(LearningError::OtherLimb { scene: other.name().to_owned() });

@@ -148,7 +148,7 @@ pub struct RunInfo {
 }
 
 impl RunInfo {
-    /// Whether the setpoints differed from the planned ones on purpose. The model is then not meant to be at the plan, but the limb is.
+    /// Whether the setpoints were corrected. Modules may then leave their planned values, so that the tip follows the plan.
     pub fn is_corrected(&self) -> bool {
         self.feedback || self.corrections
     }

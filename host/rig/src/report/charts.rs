@@ -60,7 +60,7 @@ fn pressure_series(log: &RunLog, module: &ModuleInfo) -> Vec<Series> {
         move |sample: &Sample| sample.channels.get(channel).map_or(f64::NAN, value) * 1e-3
     };
     let measured = channels.iter().enumerate().map(|(index, &channel)| {
-        let stroke = Stroke::Nested(((channels.len() - 1 - index) % 4) as u8);
+        let stroke = Stroke::Nested((channels.len() - 1 - index) as u8, channels.len() as u8);
         let value = pressure(channel, |channel| channel.pressure_pa);
         line(&format!("channel {channel}"), Color::nth(index), stroke, log, value)
     });
@@ -101,7 +101,10 @@ fn deformation_series(log: &RunLog, index: usize, quantity: StateQuantity) -> Ve
 fn tip_error_series(log: &RunLog) -> Vec<Series> {
     let achieved =
         |sample: &Sample| sample.tip_achieved_m.map_or(f64::NAN, |tip| distance(tip, sample.tip_setpoint_m) * 1e3);
-    let tracking = |sample: &Sample| distance(sample.tip_modelled_m, sample.tip_setpoint_m) * 1e3;
+    let tracking = |sample: &Sample| match log.info.is_corrected() {
+        false => distance(sample.tip_modelled_m, sample.tip_setpoint_m) * 1e3,
+        true => f64::NAN,
+    };
     present([
         line("by pressure tracking alone", Color::First, Stroke::Dotted, log, while_scheduled(log, tracking)),
         line("achieved", Color::Second, Stroke::Solid, log, while_scheduled(log, achieved)),

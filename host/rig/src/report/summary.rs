@@ -237,6 +237,7 @@ fn misses(info: &RunInfo, samples: &[&Sample]) -> Vec<Miss> {
                 (!errors.is_empty()).then(|| (errors.iter().sum::<f64>() / errors.len() as f64).abs())
             };
             let modelled = mean(&|value| Some(value.modelled - value.setpoint))?;
+            // A limb that was seen at its setpoint has not missed it, whatever its model gives.
             let off = mean(&|value| Some(value.achieved? - value.setpoint)).map_or(modelled, |seen| seen.min(modelled));
             let share_of_travel = off / travel;
             let miss = Miss { module: module.name.clone(), phase: phase.name.clone(), share_of_travel };

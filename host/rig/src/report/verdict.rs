@@ -60,6 +60,9 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
             off(off_goal.clone(), outcomes.iter().filter(|outcome| outcome.goal.is_some()).count())
         }
         (None, [], Some((_, _, total_m))) => hit(&outcomes, total_m),
+        (None, [], None) if log.info.is_corrected() => {
+            "The setpoints were corrected. No observer measured the limb: its error is unknown.".into()
+        }
         (None, [], None) => "The pressures brought every module to its setpoint. No observer measured the limb.".into(),
     };
     let reason = worst.map(|(outcome, causes, total_m)| {

@@ -121,7 +121,8 @@ class Reader:
         self.solids_have_names()
 
     def solids_have_names(self):
-        names = self.page.evaluate("JSON.parse(document.querySelector('#run').textContent).space.solids.map((solid) => solid.name)")
+        space = self.page.evaluate("JSON.parse(document.querySelector('#run').textContent).space")
+        names = [one["name"] for one in space["solids"] + space["carried"]]
         shown = self.page.evaluate("window.report.view.named")
         self.expect(set(names) <= {one["name"] for one in shown}, f"names in space: {shown}, of {names}")
         for index, one in enumerate(shown):

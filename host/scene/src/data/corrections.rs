@@ -72,13 +72,21 @@ impl PhaseTimes {
 impl PhaseCorrections {
     /// The corrections over the time of a run whose phases have these times, in the same order.
     ///
-    /// Moves are stretched. Of a shorter hold the rest is left out; in a longer one the last row holds until its end.
+    /// Moves are stretched. Of a shorter hold the rest is left out; in a longer one the last row holds until its end. A phase begins with what the one
+    /// before ended with, and the run with the first row, or with none where that is later.
     pub fn over(&self, phases: &[PhaseTimes]) -> Corrections {
         let mut series = Corrections::default();
         for (rows, times) in self.phases.iter().zip(phases) {
             let end_s = times.end_s();
             let timed = rows.iter().map(|row| (times.start_s + row.move_share * times.move_s + row.hold_s, row));
-            for (time_s, row) in timed.clone().filter(|(time_s, _)| *time_s < end_s) {
+            match timed.clone().next().filter(|_| series.times_s.is_empty()) {
+                Some((time_s, row)) if time_s > times.start_s => {
+                    series.push(times.start_s, vec![0.0; row.values.len()])
+                }
+                Some((_, row)) => series.push(times.start_s, row.values.clone()),
+                None => {}
+            }
+            for (time_s, row) in timed.clone().filter(|(time_s, _)| *time_s > times.start_s && *time_s < end_s) {
                 series.push(time_s, row.values.clone());
             }
             let beyond = timed.clone().find(|(time_s, _)| *time_s >= end_s);
@@ -136,6 +144,11 @@ mod tests {
         is(&over([2.0, 1.5]), &[(2.0, 4.0), (3.5, 7.0), (4.5, 13.5), (5.5, 20.0)]);
         // A move that takes twice as long.
         is(&over([4.0, 3.0]), &[(2.0, 2.0), (3.0, 3.0), (4.0, 4.0), (7.0, 10.0)]);
+        // In another order there is no step: each phase begins where the one before ended, and the run without a correction.
+        let exchanged = PhaseCorrections { phases: corrections.phases.iter().rev().cloned().collect() };
+        let second = PhaseTimes { start_s: 0.0, move_s: 1.0, hold_s: 1.0 };
+        let series = exchanged.over(&[second, PhaseTimes { start_s: second.end_s(), move_s: 2.0, hold_s: 3.0 }]);
+        is(&series, &[(0.0, 0.0), (1.0, 10.0), (2.0, 20.0), (2.5, 11.0), (3.0, 2.0), (4.0, 4.0), (7.0, 10.0)]);
         // No hold.
         is(&over([2.0, 0.0]), &[(2.0, 4.0), (3.0, 12.0), (4.0, 20.0)]);
     }

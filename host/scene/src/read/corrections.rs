@@ -41,7 +41,11 @@ fn by_phase(rows: Vec<Cells>, phases: &[Phase], channels: usize) -> Result<Phase
     let mut corrections = PhaseCorrections { phases: vec![Vec::new(); phases.len()] };
     for mut cells in rows {
         let move_share = cells.number(1, LEAD[1], [0.0, 1.0])?;
-        let hold_s = cells.number(2, LEAD[2], [0.0, if move_share < 1.0 { 0.0 } else { HOLD_MAX_S }])?;
+        let hold_s = cells.number(2, LEAD[2], [0.0, HOLD_MAX_S])?;
+        if move_share < 1.0 && hold_s > 0.0 {
+            let [line, share, hold] = [&cells.line.to_string(), LEAD[1], LEAD[2]];
+            return Err(format!(":{line}: `{hold}`: {hold_s} is not allowed: it is 0 while `{share}` is below 1"));
+        }
         let Some(index) = phases.iter().position(|phase| phase.name.value == cells.lead[0]) else { continue };
         let own = &mut corrections.phases[index];
         if own.last().is_some_and(|last| (last.move_share, last.hold_s) >= (move_share, hold_s)) {

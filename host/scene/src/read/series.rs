@@ -22,10 +22,10 @@ pub(super) const TIME: &str = "time_s";
 pub(super) struct Columns<'a> {
     /// Content of the file, in the plural.
     pub(super) what: &'a str,
-    /// The first ones, which state when a row holds.
+    /// Leading columns: phase or time of a row.
     pub(super) lead: &'a [&'a str],
     pub(super) names: Vec<&'a str>,
-    /// Those that may follow, all or none, each with as many values as its neighbour in `names`.
+    /// Optional columns, all or none, with the counts of `names`.
     pub(super) then: Vec<String>,
     /// Values of each name: those of a column with the name, or each in a column `name.1`, `name.2` and so on.
     pub(super) counts: Vec<usize>,
@@ -77,7 +77,7 @@ impl Columns<'_> {
 pub(super) struct Cells {
     /// Number of its line.
     pub(super) line: usize,
-    /// What is in the first columns.
+    /// Texts of the leading columns.
     pub(super) lead: Vec<String>,
     /// The values, one for each count.
     pub(super) values: Vec<f64>,
@@ -113,7 +113,7 @@ pub(super) fn series(
     file(reader, key, scene_name, columns, timed)
 }
 
-/// What `read` makes of the rows of the file that `key` names; notes what is wrong.
+/// Reads the file that `key` names and converts its rows by `read`; notes problems.
 pub(super) fn file<T>(
     reader: &Reader<'_>,
     key: &'static Text,

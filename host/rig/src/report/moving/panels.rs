@@ -19,6 +19,8 @@ const SECONDS: f64 = 1e-4;
 /// Width of the uppermost line of several, their difference in width, and that of a setpoint from its line, px.
 const LINE_PX: f64 = 1.75;
 const STEP_PX: f64 = 2.0;
+/// Largest difference in width of such lines, px.
+const STEPS_MOST_PX: f64 = 6.0;
 const BAND_PX: f64 = 4.0;
 /// Distance from an obstacle beyond which a plot need not show it, mm.
 const FAR_MM: f64 = 100.0;
@@ -261,7 +263,7 @@ impl Filled<'_> {
 
 /// Width of a line of several that may lie on each other, px: each leaves the edges of those below it in sight.
 fn nested_px(index: usize, count: usize) -> f64 {
-    LINE_PX + STEP_PX * (count - 1 - index) as f64
+    LINE_PX + STEP_PX.min(STEPS_MOST_PX / (count.max(2) - 1) as f64) * (count - 1 - index) as f64
 }
 
 /// The sample at a time, or the last before it.
