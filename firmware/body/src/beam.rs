@@ -168,16 +168,20 @@ impl Beam<'_> {
             unit[axis] = 1.0;
             by_ends.set_column(axis, &shape.forces(&unit));
         }
-        let mut matrix = by_ends * own * by_ends.transpose();
-        for column in 0..12 {
+        let mut turning = SMatrix::<f64, 12, 12>::zeros();
+        for column in (3..6).chain(6..12) {
             let mut step = SVector::<f64, 6>::zeros();
             step[column % 6] = STEP;
             let moved = ends[column / 6].moved(&step);
             let ends = if column < 6 { [&moved, ends[1]] } else { [ends[0], &moved] };
-            let mut turning = matrix.column_mut(column);
-            turning += (Shape::of(ends).forces(&gradient) - forces) / STEP;
+            turning.set_column(column, &((Shape::of(ends).forces(&gradient) - forces) / STEP));
         }
-        (forces, matrix)
+        // Only the difference of the places counts.
+        for axis in 0..3 {
+            let opposite = -turning.column(6 + axis);
+            turning.set_column(axis, &opposite);
+        }
+        (forces, by_ends * own * by_ends.transpose() + turning)
     }
 }
 
