@@ -76,7 +76,7 @@ const WARMING: f32 = 0.33;
 const HEAT_S: f32 = 0.1;
 
 /// Largest rise due after a fall that no valve explains, Pa, and its shortest and longest time constant, s. A limb moved at 2 Hz comes back within
-/// 0.25 s. The rise itself is taken off what is due, so that a part of it is explained.
+/// 0.25 s. Each rise also reduces the amount due, so only a part of it is explained.
 const RETURN_PA: f32 = 2e3;
 const RETURN_S: [f32; 2] = [0.05, 0.5];
 
@@ -324,7 +324,7 @@ mod tests {
 
     #[test]
     fn moved_chamber_is_no_finding() {
-        // 3.6 kPa to and fro, twice a second: a rise of them alone would be excess air.
+        // 3.6 kPa from peak to peak at 2 Hz: the rise alone would be excess air.
         let moved = |amplitude_pa: f32| {
             let place_pa = |index: i32| amplitude_pa * (0.02 * 2.0 * core::f32::consts::TAU * index as f32).cos();
             after((0..200).map(|index| (0.0, place_pa(index + 1) - place_pa(index)))).finding()

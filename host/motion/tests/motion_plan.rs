@@ -40,7 +40,7 @@ fn phases_end_at_their_targets_and_modules_left_out_keep_theirs() {
     assert_eq!(plan.values_at(0.0), [1.0, 0.0, 1.0]);
 }
 
-/// Also where an instant is within the microsecond clock of an end of a phase, and none at all is in another phase.
+/// One instant is 0.2 us before the end of a phase, and one phase has none.
 #[test]
 fn corrections_by_phase_are_the_same_over_the_same_times() {
     let scene = scene("weightless-a");
@@ -58,7 +58,7 @@ fn corrections_by_phase_are_the_same_over_the_same_times() {
         let (found, expected) = (over.at(time_s)[0], corrections.at(time_s)[0]);
         assert!((found - expected).abs() < 1e-4, "{time_s} s: {found} and not {expected}");
     }
-    // In a file, too, rows rise: it has 0.1 ms, and nine decimals of the way.
+    // Rows also rise in a file, which has 1 us, and nine decimals of the move.
     for rows in &by_phase.phases {
         assert!(
             rows.windows(2)

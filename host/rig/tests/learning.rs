@@ -92,7 +92,7 @@ fn limb_that_carries_a_bottle_hits_its_targets_by_single_actuators() {
     let longer = text.replace("hold = \"3 s\"", "hold = \"8 s\"");
     let slower =
         text.replace("duration = \"9 s\"", "duration = \"11 s\"").replace("duration = \"24 s\"", "duration = \"28 s\"");
-    for (changes, text, most_m) in [("holds of 8 s", longer, 1.2e-3), ("slower moves", slower, 0.5e-3)] {
+    for (changes, text, most_m) in [("holds of 8 s", longer, 1.2e-3), ("slower moves", slower, 0.3e-3)] {
         assert_ne!(text, scene.source_text(), "{changes}");
         let other = read(&text);
         let learned = (&scene, &found.corrections);

@@ -179,6 +179,10 @@ fn columns_of_phases_without_content_are_left_out() {
     let headings = phase_headings(&page);
     assert!(headings.contains(&"by pressure"), "{headings:?}");
     assert!(!headings.contains(&"tip error, mm") && !headings.contains(&"by model"), "{headings:?}");
+    // Nothing then says whether corrected setpoints were right.
+    run.info.corrections = true;
+    let page = html(&run);
+    assert!(page.contains("its error is unknown") && !page.contains("brought every module"), "{page}");
 }
 
 #[test]

@@ -41,7 +41,7 @@ pub(super) struct Learn {
     /// Write the learned corrections of the setpoints, in m, rad and Pa
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// A scene of the same limb, with phases of the same names, in which what was learned is tested; may be given several times
+    /// Evaluate the corrections in another scene of the same limb, whose phases have the same names; repeatable
     #[arg(long = "test", value_name = "SCENE")]
     tests: Vec<PathBuf>,
     /// Print the result as JSON

@@ -72,8 +72,8 @@ impl PhaseTimes {
 impl PhaseCorrections {
     /// The corrections over the time of a run whose phases have these times, in the same order.
     ///
-    /// Moves are stretched. Of a shorter hold the rest is left out; in a longer one the last row holds until its end. A phase begins with what the one
-    /// before ended with, and the run with the first row, or with none where that is later.
+    /// Moves are stretched. Of a shorter hold the rest is left out; in a longer one the last row holds until its end. A phase begins with the last
+    /// correction of the phase before. A run without a row at its start begins without a correction.
     pub fn over(&self, phases: &[PhaseTimes]) -> Corrections {
         let mut series = Corrections::default();
         for (rows, times) in self.phases.iter().zip(phases) {

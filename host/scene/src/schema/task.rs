@@ -44,7 +44,7 @@ section! {
 
 section! {
     /// Corrections of the planned setpoints in a run, as `softlimb learn --csv` writes them for one limb. They are linear between the rows,
-    /// also from one phase to the next, and constant from the last row of a phase to its end. A run begins with the row at its start, or without a correction. A corrected setpoint ends where its module's range ends.
+    /// also from one phase to the next, and constant from the last row of a phase to its end. A run without a row at its start begins without a correction. A corrected setpoint ends where its module's range ends.
     corrections, "[corrections]";
     FILE: Text { name: "file", is_name: false, presence: Required } = "A CSV file in the scene's folder with the columns `phase`, `move`, `hold_s` and one per module, by the modules' names and in their order, and at most 10000 rows. `phase` is the name of a phase. Each phase of the scene has at least one row; rows of other phases are ignored. `move` is the fraction of the move, 0 to 1. `hold_s` is the time since the end of the move, and 0 during it. The rows of a phase are in order of time. Columns `name.1`, `name.2` and so on instead of `name` correct the actuators of a module one by one. Values are in m, rad or Pa as the module's setpoints are, without unit for a stretch. Columns `name.planned` may follow, with the planned setpoints that were corrected. A phase that ends at others causes a warning.";
 }
