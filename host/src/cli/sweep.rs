@@ -49,6 +49,8 @@ impl Sweep {
             .out
             .clone()
             .unwrap_or_else(|| PathBuf::from(self.study.file_name().unwrap_or_default()).with_extension("csv"));
+        // A table that is there is complete, or not opened.
+        let was_complete = self.merge.is_empty() && out.exists();
         let table = if self.merge.is_empty() {
             let mut table = Table::open(&study, self.shard.unwrap_or(Shard::WHOLE), &out)?;
             self.run_missing(&study, &mut table)?;
@@ -57,8 +59,12 @@ impl Sweep {
             Table::merged(&study, &self.merge, &out)?
         };
         let ([rows, _], without_result) = (table.progress(), table.without_result());
-        table.finish()?;
-        note(&format!("wrote {}: {rows} rows", out.display()));
+        if was_complete {
+            note(&format!("{} is complete: {rows} rows; remove it to run them again", out.display()));
+        } else {
+            table.finish()?;
+            note(&format!("wrote {}: {rows} rows", out.display()));
+        }
         Ok(match without_result {
             0 => Outcome::Done,
             count => warn(&[format!("{count} of {rows} rows have no result; the column `outcome` has the reason")]),

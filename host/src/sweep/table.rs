@@ -28,9 +28,6 @@ pub enum SweepError {
         /// The cause.
         cause: std::io::Error,
     },
-    /// The table is complete already.
-    #[error("{} has all of these rows: remove it, or give another --out, to run them again", .0.display())]
-    Done(PathBuf),
     /// The file belongs to another study, other scenes or another version of softlimb.
     #[error(
         "{} is not a table of this study, its scenes and this version of softlimb: remove it, or give another --out",
@@ -84,21 +81,24 @@ pub struct Table {
 }
 
 impl Table {
-    /// Opens the table of a sweep, and reads the rows of an interrupted one.
+    /// Opens the table of a sweep, and reads the rows of an interrupted or a complete one.
     ///
     /// # Errors
-    /// [`SweepError`]; [`SweepError::Done`] if no row is missing.
+    /// [`SweepError`].
     pub fn open(study: &Study, shard: Shard, path: &Path) -> Result<Self, SweepError> {
         let mut table = Self::new(study, shard, path);
+        let part = table.part();
         if path.exists() {
             table.take(path, false)?;
-            return Err(if table.missing().next().is_none() {
-                SweepError::Done(path.to_owned())
-            } else {
-                SweepError::Other(path.to_owned())
-            });
+            if table.missing().next().is_some() {
+                return Err(SweepError::Other(path.to_owned()));
+            }
+            // A sweep that is killed after it wrote the table leaves the other file too.
+            if part.exists() && table.take(&part, true).is_ok() {
+                table.remove_part()?;
+            }
+            return Ok(table);
         }
-        let part = table.part();
         if part.exists() {
             table.take(&part, true)?;
         }
@@ -171,11 +171,12 @@ impl Table {
     /// [`SweepError`].
     pub fn finish(mut self) -> Result<(), SweepError> {
         write_whole(&self.path, &self.text())?;
-        if self.file.take().is_some() {
-            let part = self.part();
-            fs::remove_file(&part).map_err(|cause| SweepError::File { what: "remove", path: part, cause })?;
-        }
-        Ok(())
+        if self.file.take().is_some() { self.remove_part() } else { Ok(()) }
+    }
+
+    fn remove_part(&self) -> Result<(), SweepError> {
+        let part = self.part();
+        fs::remove_file(&part).map_err(|cause| SweepError::File { what: "remove", path: part, cause })
     }
 
     /// Number of rows without figures of merit.
