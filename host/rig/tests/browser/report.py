@@ -126,7 +126,7 @@ class Reader:
         shown = self.page.evaluate("window.report.view.named")
         self.expect(set(names) <= {one["name"] for one in shown}, f"names in space: {shown}, of {names}")
         for index, one in enumerate(shown):
-            over = [other["name"] for other in shown[:index] if abs(one["x"] - other["x"]) < one["half"] + other["half"] - 8 and abs(one["y"] - other["y"]) < 12]
+            over = [other["name"] for other in shown[:index] if abs(one["x"] - other["x"]) < one["half"] + other["half"] and abs(one["y"] - other["y"]) < 12]
             self.expect(not over, f"the name {one['name']} lies over {over}")
 
     def hover_shows_values(self):

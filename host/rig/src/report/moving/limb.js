@@ -98,50 +98,56 @@ const LimbView = (() => {
       if (state.seen) this.line(state.seen, rgb(this.colors.limb), 4, []);
       if (state.trail) this.line(state.trail, rgb(this.colors.trail), 2, []);
       for (const target of state.targets) this.target(target);
-      this.named = [];
-      for (const solid of state.solids) this.name(solid);
-      for (const object of state.carried) this.object_name(object);
+      this.names(state.solids, state.carried, state.targets);
       this.axes();
     }
 
-    // Its name above it; that of a box beside its corner on the right.
-    name({ name, shape, lines_m }) {
-      const seen = lines_m.flat().filter(finite).map((p) => this.project(p));
-      if (!seen.length) return;
-      const [top, right] = [seen.reduce((best, p) => (p[1] < best[1] ? p : best)), seen.reduce((best, p) => (p[0] > best[0] ? p : best))];
-      const is_box = !!(shape && shape.box);
-      if (is_box) this.label(name, right[0], right[1] + 6, 1);
-      else this.label(name, seen.reduce((sum, p) => sum + p[0], 0) / seen.length, top[1] - 4, 0);
-    }
-
-    // A name about a place, or on the right of it. One that would lie over another moves up or down, with a line to its place.
-    label(name, x, y, side) {
+    // Names of solids and carried objects in a column beside the solids, in the order of their heights, each with a line to its middle.
+    names(solids, carried, targets) {
+      const middle = ({ shape, lines_m }) => {
+        if (shape && shape.box) return shape.box.center_m;
+        if (shape && shape.sphere) return shape.sphere.center_m;
+        if (shape && shape.capsule) return add(shape.capsule.from_m, sub(shape.capsule.to_m, shape.capsule.from_m), 0.5);
+        const points = lines_m.flat().filter(finite);
+        return points.reduce((sum, p) => add(sum, p, 1 / points.length), [0, 0, 0]);
+      };
+      const places = [...solids.map((one) => ({ name: one.name, at: middle(one) })), ...carried].filter(({ name, at }) => name && finite(at));
+      const marks = places.map(({ name, at }) => ({ name, mark: this.project(at) })).sort((a, b) => a.mark[1] - b.mark[1]);
+      this.named = [];
+      if (!marks.length) return;
       const g = this.g;
-      Object.assign(g, { font: "12px system-ui, sans-serif", textAlign: "center", textBaseline: "bottom", lineWidth: 3, strokeStyle: rgb(this.colors.page, 0.8), fillStyle: rgb(this.colors.ink) });
-      const half = g.measureText(name).width / 2 + 4;
-      const across = Math.max(half, Math.min(this.width - half, x + side * half));
-      const is_free = (at) => at >= 18 && at <= this.height && !this.named.some((other) => Math.abs(other.x - across) < other.half + half && Math.abs(other.y - at) < 15);
-      const first = Math.max(18, Math.min(this.height, y));
-      const down = Array.from({ length: 17 }, (_, step) => first + 15 * Math.ceil(step / 2) * (step % 2 ? -1 : 1)).find(is_free) ?? first;
-      this.named.push({ name, x: across, y: down, half });
-      if (Math.abs(down - first) > 20) {
+      Object.assign(g, { font: "12px system-ui, sans-serif", textBaseline: "middle", lineJoin: "round" });
+      const half = Math.max(...marks.map(({ name }) => g.measureText(name).width)) / 2;
+      // What moves leaves the column where it is.
+      const across = [...solids.flatMap((one) => one.lines_m.flat()), ...targets.map((one) => one.at), ...carried.map((one) => one.at)].filter(finite).map((p) => this.project(p)[0]);
+      const [left, right] = [Math.min(...across), Math.max(...across)];
+      const side = this.width - right >= left ? 1 : -1;
+      const beside = (side > 0 ? right : left) + side * (18 + half);
+      const column = Math.max(half + 4, Math.min(this.width - half - 4, beside));
+      const step = Math.min(16, (this.height - 20) / marks.length);
+      let below = -Infinity;
+      const pushed = marks.map(({ mark }) => (below = Math.max(mark[1], below + step)));
+      const shift = pushed.reduce((sum, height, i) => sum + height - marks[i].mark[1], 0) / marks.length;
+      const heights = pushed.map((height, i) => Math.max(10 + step * i, height - shift));
+      let above = this.height - 10 + step;
+      for (let i = heights.length - 1; i >= 0; i--) above = heights[i] = Math.min(heights[i], above - step);
+      marks.forEach(({ name, mark: [x, y] }, i) => {
+        const width = g.measureText(name).width / 2;
+        const start = column - side * half;
+        Object.assign(g, { strokeStyle: rgb(this.colors.ink, 0.55), fillStyle: rgb(this.colors.ink, 0.8), lineWidth: 0.8 });
         g.beginPath();
         g.moveTo(x, y);
-        g.lineTo(across - side * (half - 3), down - 7);
-        const width = g.lineWidth;
-        Object.assign(g, { strokeStyle: rgb(this.colors.soft), lineWidth: 1 });
+        g.lineTo(start - side * 3, heights[i]);
         g.stroke();
-        Object.assign(g, { strokeStyle: rgb(this.colors.page, 0.8), lineWidth: width });
-      }
-      g.strokeText(name, across, down);
-      g.fillText(name, across, down);
-    }
-
-    // The name of a carried object, beside it.
-    object_name({ name, at, radius_m }) {
-      if (!name || !finite(at)) return;
-      const [x, y, , scale] = this.project(at);
-      this.label(name, x + radius_m * scale + 2, y + 6, 1);
+        g.beginPath();
+        g.arc(x, y, 2, 0, 2 * Math.PI);
+        g.fill();
+        const at = start + side * width;
+        Object.assign(g, { textAlign: "center", lineWidth: 3, strokeStyle: rgb(this.colors.page, 0.8), fillStyle: rgb(this.colors.ink) });
+        g.strokeText(name, at, heights[i]);
+        g.fillText(name, at, heights[i]);
+        this.named.push({ name, x: at, y: heights[i], half: width });
+      });
     }
 
     grid() {
