@@ -134,28 +134,36 @@ fn at(share: f64, angle: f64) -> [f64; 2] {
     [share * angle.cos(), share * angle.sin()]
 }
 
-/// The first direction of [`NAMED_RAD`] in which the curves leave the names of the circles free, else that in which they leave most, rad.
-fn named_rad(radius: &Radius, curves: &[Vec<[f64; 2]>]) -> f64 {
-    let px = |[x, y]: [f64; 2]| [x * AREA[0] / (2.0 * REACH), y * AREA[1] / (2.0 * REACH)];
-    let free = |angle: &f64| {
-        let names = radius.circles_n().into_iter().map(|load_n| px(at(radius.share(load_n), *angle)));
-        let names: Vec<[f64; 2]> = names.map(|[x, y]| [x + NAME_ASIDE[0], y + NAME_ASIDE[1]]).collect();
-        let is_finite = |point: &[f64; 2]| point.iter().all(|value| value.is_finite());
-        let steps = curves.iter().flat_map(|curve| curve.windows(2)).flat_map(|ends| {
-            let [from, to] = [px(ends[0]), px(ends[1])];
-            (0..=PARTS).map(move |part| {
-                let share = f64::from(part) / f64::from(PARTS);
-                [0, 1].map(|axis: usize| from[axis] + share * (to[axis] - from[axis]))
-            })
-        });
-        let beside = |[x, y]: [f64; 2], name: &[f64; 2]| {
-            ((x - name[0]).abs() - NAME_HALF[0]).max(0.0).hypot(((y - name[1]).abs() - NAME_HALF[1]).max(0.0))
-        };
-        let to_names = |point: [f64; 2]| names.iter().map(move |name| beside(point, name));
-        steps.filter(is_finite).flat_map(to_names).fold(FREE, f64::min)
-    };
+/// Loads of the circles that have a name, N, and its place: in the first direction of [`NAMED_RAD`] in which the curves leave the names free,
+/// else in that in which they leave most, without those of inner circles that a curve crosses.
+fn circle_names(radius: &Radius, curves: &[Vec<[f64; 2]>]) -> Vec<(f64, [f64; 2])> {
+    let circles_n = radius.circles_n();
+    let room = |angle: f64, load_n: f64| room_px(at(radius.share(load_n), angle), curves);
+    let free = |angle: &f64| circles_n.iter().map(|&load_n| room(*angle, load_n)).fold(FREE, f64::min);
     // The first of equals: `max_by` takes the last.
-    NAMED_RAD.into_iter().rev().max_by(|a, b| free(a).total_cmp(&free(b))).unwrap_or(NAMED_RAD[0])
+    let best = NAMED_RAD.into_iter().rev().max_by(|a, b| free(a).total_cmp(&free(b))).unwrap_or(NAMED_RAD[0]);
+    let outermost_n = circles_n.last().copied();
+    let named = circles_n.iter().filter(|&&load_n| Some(load_n) == outermost_n || room(best, load_n) > 0.0);
+    named.map(|&load_n| (load_n, at(radius.share(load_n), best))).collect()
+}
+
+/// Distance of the curves from the name of a point, px.
+fn room_px(point: [f64; 2], curves: &[Vec<[f64; 2]>]) -> f64 {
+    let px = |[x, y]: [f64; 2]| [x * AREA[0] / (2.0 * REACH), y * AREA[1] / (2.0 * REACH)];
+    let [across, up] = px(point);
+    let name = [across + NAME_ASIDE[0], up + NAME_ASIDE[1]];
+    let steps = curves.iter().flat_map(|curve| curve.windows(2)).flat_map(|ends| {
+        let [from, to] = [px(ends[0]), px(ends[1])];
+        (0..=PARTS).map(move |part| {
+            let share = f64::from(part) / f64::from(PARTS);
+            [0, 1].map(|axis: usize| from[axis] + share * (to[axis] - from[axis]))
+        })
+    });
+    let beside = |at: [f64; 2]| {
+        let [x, y] = [0, 1].map(|axis: usize| ((at[axis] - name[axis]).abs() - NAME_HALF[axis]).max(0.0));
+        x.hypot(y)
+    };
+    steps.filter(|at| at.iter().all(|value| value.is_finite())).map(beside).fold(f64::INFINITY, f64::min)
 }
 
 /// Name of a curve. A plane without any bounded load that is held has no curve, and its name says why.
@@ -183,13 +191,12 @@ fn chart(pose: &Polar, radius: &Radius) -> Chart {
         loads_n.iter().map(|&[x, y]| at(radius.share(x.hypot(y)), y.atan2(x))).collect()
     };
     let curves: Vec<Vec<[f64; 2]>> = pose.loads_n.iter().map(curve).collect();
-    let (mut series, mut notes) = (Vec::new(), Vec::new());
-    let named_rad = named_rad(radius, &curves);
-    for load_n in radius.circles_n() {
-        let share = radius.share(load_n);
+    let mut series = Vec::new();
+    for share in radius.circles_n().into_iter().map(|load_n| radius.share(load_n)) {
         series.push(grid((0..=CHORDS).map(|chord| at(share, TAU * chord as f64 / CHORDS as f64)).collect()));
-        notes.push(Note { at: at(share, named_rad), text: newtons(load_n) });
     }
+    let names = circle_names(radius, &curves).into_iter();
+    let notes = names.map(|(load_n, at)| Note { at, text: newtons(load_n) }).collect();
     let spokes = (0..SPOKES).flat_map(|spoke| {
         let angle = TAU * spoke as f64 / SPOKES as f64;
         [[0.0; 2], at(1.0, angle), [f64::NAN; 2]]
@@ -247,9 +254,18 @@ mod tests {
         let radius = Radius { exponents: [0, 3] };
         // A curve through all names on the upper right, and one through those on both upper sides.
         let line = |angle: f64| (0..40).map(|step| at(f64::from(step) / 30.0, angle)).collect::<Vec<_>>();
-        assert!(named_rad(&radius, &[line(1.1)]) != NAMED_RAD[0]);
-        assert!(named_rad(&radius, &[line(1.1), line(1.85)]) < 0.0);
-        assert_eq!(named_rad(&radius, &[]), NAMED_RAD[0]);
+        let named_rad = |curves: &[Vec<[f64; 2]>]| {
+            let [x, y] = circle_names(&radius, curves)[0].1;
+            y.atan2(x)
+        };
+        assert!((named_rad(&[]) - NAMED_RAD[0]).abs() < 1e-12);
+        assert!((named_rad(&[line(1.1)]) - NAMED_RAD[0]).abs() > 0.1);
+        assert!(named_rad(&[line(1.1), line(1.85)]) < 0.0);
+        // Two circles cross the names of the innermost one in all directions.
+        let around = |share: f64| (0..=72).map(|step| at(share, TAU * f64::from(step) / 72.0)).collect();
+        let names = circle_names(&radius, &[around(0.25), around(0.42)]);
+        let loads_n: Vec<f64> = names.into_iter().map(|(load_n, _)| load_n).collect();
+        assert_eq!(loads_n, [100.0, 1000.0]);
     }
 
     #[test]
