@@ -3,6 +3,7 @@
 #[allow(unreachable_pub, reason = "shared by several test binaries")]
 use crate::common::*;
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use softlimb_plant::*;
 
 fn charged(seed: u64) -> Plant {
@@ -205,7 +206,7 @@ fn refusals_name_field_value_and_range() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig { cases: 48, rng_seed: RngSeed::Fixed(2026), ..ProptestConfig::default() })]
     /// Whatever the plant and the coils: pressures stay between vacuum and supply, codes between
     /// the rails.
     #[test]
