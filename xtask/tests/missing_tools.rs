@@ -14,8 +14,12 @@ fn programs(name: &str, scripts: &[(&str, &str)]) -> PathBuf {
     fs::create_dir_all(&folder).unwrap();
     for (program, text) in scripts {
         let path = folder.join(program);
-        fs::write(&path, format!("#!/bin/sh\n{text}\n")).unwrap();
-        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+        let draft = folder.join("draft");
+        fs::write(&draft, format!("#!/bin/sh\n{text}\n")).unwrap();
+        fs::set_permissions(&draft, fs::Permissions::from_mode(0o755)).unwrap();
+        // A file cannot be started while anybody has it open for writing: a child that another thread forks would have what this process has.
+        assert!(Command::new("cp").args([&draft, &path]).status().unwrap().success());
+        fs::remove_file(&draft).unwrap();
     }
     folder
 }

@@ -5,10 +5,11 @@ use crate::cli::desk::{Desk, SCENE};
 /// A shell script in place of CalculiX.
 fn in_place(desk: &Desk, script: &str) -> String {
     use std::os::unix::fs::PermissionsExt;
+    use std::process::Command;
     desk.put("draft", format!("#!/bin/sh\n{script}\n"));
     std::fs::set_permissions(desk.path("draft"), std::fs::Permissions::from_mode(0o755)).unwrap();
-    // Written under another name: nobody else may have it open for writing when it is started.
-    std::fs::copy(desk.path("draft"), desk.path("program")).unwrap();
+    // A file cannot be started while anybody has it open for writing: a child that another thread forks would have what this process has.
+    assert!(Command::new("cp").args([desk.path("draft"), desk.path("program")]).status().unwrap().success());
     desk.path("program").display().to_string()
 }
 

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use fra_model::Motion;
 use softlimb_fea::solid::{Deck, FemError, Model, Options, Run, Runner, Subject, run};
@@ -28,10 +29,10 @@ impl Fake {
     pub(crate) fn new(body: &str) -> Self {
         let fake = Self { folder: tempfile::tempdir().unwrap() };
         let text = format!("#!/bin/sh\nHERE='{}'\n{body}\n", fake.folder.path().display());
-        // Written under another name: nobody else may have it open for writing when it is started.
         fs::write(fake.path("draft"), text).unwrap();
         fs::set_permissions(fake.path("draft"), fs::Permissions::from_mode(0o755)).unwrap();
-        fs::copy(fake.path("draft"), fake.path("ccx")).unwrap();
+        // A file cannot be started while anybody has it open for writing: a child that another thread forks would have what this process has.
+        assert!(Command::new("cp").args([fake.path("draft"), fake.path("ccx")]).status().unwrap().success());
         fake
     }
 
