@@ -187,7 +187,8 @@ fn run_removes_what_killed_ones_left() {
 #[test]
 fn calculix_ends_with_the_run_that_is_killed() {
     let temporary = tempfile::tempdir().unwrap();
-    let fake = Fake::new("echo $$ > \"$HERE/draft-id\"; mv \"$HERE/draft-id\" \"$HERE/id\"; exec sleep 600");
+    // It tells its number once the run has had time to start the shell that guards it.
+    let fake = Fake::new("sleep 1; echo $$ > \"$HERE/draft-id\"; mv \"$HERE/draft-id\" \"$HERE/id\"; exec sleep 600");
     let line = format!("fea run {} --ccx {}", scene("single-bending.toml").display(), fake.path("ccx").display());
     let mut run = softlimb_in(temporary.path(), fake.folder.path(), &line);
     let mut run = run.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
