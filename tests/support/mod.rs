@@ -103,10 +103,21 @@ pub(crate) fn run_planned(scene: &Scene, planned: (Limb, Plan), seed: u64) -> Ra
 /// The controller run again on the inputs of a log: it gives what the log has.
 #[track_caller]
 pub(crate) fn rerun(log: &Path) -> Replay {
-    let replay = replay(&read_capture(log).unwrap()).unwrap();
-    assert_eq!(replay.difference, None, "{}", log.display());
-    assert!(replay.messages > 300 && replay.messages_missing == 0, "{replay:?}");
-    replay
+    let rerun = replayed(log);
+    agrees(&rerun);
+    rerun
+}
+
+/// The same, whatever it gives.
+pub(crate) fn replayed(log: &Path) -> Replay {
+    replay(&read_capture(log).unwrap()).unwrap()
+}
+
+/// A controller run again gives what its log has.
+#[track_caller]
+pub(crate) fn agrees(rerun: &Replay) {
+    assert_eq!(rerun.difference, None, "{rerun:?}");
+    assert!(rerun.messages > 300 && rerun.messages_missing == 0, "{rerun:?}");
 }
 
 /// Options of a run in this process, without faults.
