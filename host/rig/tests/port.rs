@@ -148,19 +148,25 @@ fn two_hosts_run_one_after_the_other_over_tcp() {
     assert!(count(|told| matches!(told, Served::Left { why: Leave::Closed, .. })) >= 1, "{news:?}");
 }
 
-/// The device's answers to one frame within 0.3 s, apart from its reports.
+/// The device's answers to one frame, apart from its reports: those within 50 ms of the first. On a busy computer that one may take 5 s.
 fn answers(port: &mut Port, seq: u16, message: &HostMessage) -> Vec<DeviceMessage> {
     let mut frame = [0; MAX_FRAME_LEN];
     let len = encode_frame(message, seq, &mut frame).unwrap();
     port.send(&frame[..len]).unwrap();
-    let (mut decoder, mut bytes, end_us) = (Decoder::<DeviceMessage>::new(), Vec::new(), port.now_us() + 300_000);
+    let is_report = |message: &DeviceMessage| matches!(message, DeviceMessage::Telemetry(_) | DeviceMessage::Fault(_));
+    let (mut decoder, mut answers, mut end_us) = (Decoder::new(), Vec::new(), port.now_us() + 5_000_000);
     while port.now_us() < end_us {
+        let mut bytes = Vec::new();
         port.wait_until(end_us);
         port.receive(&mut bytes).unwrap();
+        let is_first = answers.is_empty();
+        let messages = bytes.iter().filter_map(|&byte| Some(decoder.push(byte)?.ok()?.message));
+        answers.extend(messages.filter(|message| !is_report(message)));
+        if is_first && !answers.is_empty() {
+            end_us = port.now_us() + 50_000;
+        }
     }
-    let frames = bytes.iter().filter_map(|&byte| decoder.push(byte)?.ok());
-    let is_report = |message: &DeviceMessage| matches!(message, DeviceMessage::Telemetry(_) | DeviceMessage::Fault(_));
-    frames.map(|frame| frame.message).filter(|message| !is_report(message)).collect()
+    answers
 }
 
 fn command(session: u16, code: CommandCode) -> HostMessage {
@@ -179,13 +185,16 @@ fn wait_for(port: &mut Port, state: DeviceState) {
 #[test]
 fn second_client_looks_until_the_first_has_left_and_commands_then() {
     let knots = knots(1, 1.6);
+    // A first host that a busy computer pauses for less is not lost.
+    let mut patient = configuration(1);
+    patient.system.link_timeout_us = 500_000;
     let (_, news) = served(ClientPort::tcp("127.0.0.1:0").unwrap(), |text| {
         let mut second = Port::open(&address(text)).unwrap();
         thread::scope(|scope| {
             let first = scope.spawn(|| {
                 let mut port = Port::open(&address(text)).unwrap();
                 let options = StreamOptions::new(7);
-                let ended = stream(&mut port, &configuration(1), &knots, &options, |_, _| {});
+                let ended = stream(&mut port, &patient, &knots, &options, |_, _| {});
                 assert_eq!(ended.unwrap().ending, Ending::Completed);
             });
             wait_for(&mut second, DeviceState::Running);
