@@ -18,9 +18,12 @@ mod materials;
 mod output;
 #[cfg(unix)]
 mod pictures;
+#[cfg(unix)]
+mod program;
 mod run;
 mod scenes;
 mod usage;
 #[cfg(unix)]
 mod waiting;
+#[cfg(unix)]
 mod wire;

@@ -2,109 +2,16 @@
 
 mod log;
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::Write;
 use std::path::Path;
-use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
-use std::time::{Duration, Instant};
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use serde_json::Value;
 use softlimb::rig::record;
 
 use crate::cli::desk::{Desk, SCENE};
-
-/// Longest wait for a program's next line.
-const PATIENCE: Duration = Duration::from_secs(20);
-
-/// A program that runs beside the test, and is killed with it.
-struct Program {
-    child: Child,
-    out: BufReader<ChildStdout>,
-    /// Lines of standard error.
-    told: Receiver<String>,
-}
-
-impl Program {
-    fn start(desk: &Desk, line: &str) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_softlimb"))
-            .args(line.split_whitespace())
-            .current_dir(desk.path(""))
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let out = BufReader::new(child.stdout.take().unwrap());
-        let told = lines(child.stderr.take().unwrap());
-        Self { child, out, told }
-    }
-
-    fn first_line(&mut self) -> String {
-        let mut line = String::new();
-        self.out.read_line(&mut line).unwrap();
-        line.trim_end().to_owned()
-    }
-
-    /// Waits for a line on standard error with this word; the time in front of it, s.
-    #[track_caller]
-    fn until(&self, word: &str) -> f64 {
-        let mut lines = Vec::new();
-        loop {
-            match self.told.recv_timeout(PATIENCE) {
-                Ok(line) if line.contains(word) => {
-                    return line.split_whitespace().next().and_then(|time| time.parse().ok()).unwrap_or(f64::NAN);
-                }
-                Ok(line) => lines.push(line),
-                Err(error) => panic!("no `{word}` ({error}): {lines:?}"),
-            }
-        }
-    }
-
-    /// As Ctrl-C does; the exit code.
-    fn interrupt(mut self) -> Option<i32> {
-        let status = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status().unwrap();
-        assert!(status.success());
-        self.ended()
-    }
-
-    /// Waits for the end, a minute at most; the exit code.
-    #[track_caller]
-    fn ended(&mut self) -> Option<i32> {
-        let began = Instant::now();
-        loop {
-            if let Some(status) = self.child.try_wait().unwrap() {
-                return status.code();
-            }
-            assert!(began.elapsed() < 3 * PATIENCE, "it does not end: {:?}", self.told.try_iter().collect::<Vec<_>>());
-            std::thread::sleep(Duration::from_millis(10));
-        }
-    }
-
-    fn kill(&mut self) {
-        self.child.kill().unwrap();
-        self.child.wait().unwrap();
-    }
-}
-
-impl Drop for Program {
-    fn drop(&mut self) {
-        // Most have ended already.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-fn lines(from: ChildStderr) -> Receiver<String> {
-    let (sender, receiver) = channel();
-    std::thread::spawn(move || {
-        for line in BufReader::new(from).lines().map_while(Result::ok) {
-            if sender.send(line).is_err() {
-                break;
-            }
-        }
-    });
-    receiver
-}
+use crate::cli::program::Program;
 
 /// The small scene, with samples at every millisecond: pulses of valves and samples beat against each other otherwise.
 fn desk(more: &str) -> Desk {

@@ -2,12 +2,12 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::process::{Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::{sleep, spawn};
 use std::time::{Duration, Instant};
 
 use crate::cli::desk::Desk;
+use crate::cli::program::Program;
 use crate::samples::samples;
 
 /// Longest time until the device has started.
@@ -97,12 +97,8 @@ fn frame(reader: &mut impl Read) -> Option<String> {
 fn orders_reach_the_wire() {
     let desk = Desk::new();
     let program = std::env::var("SOFTLIMB_COMMAND").unwrap_or_else(|_| env!("CARGO_BIN_EXE_softlimb").to_owned());
-    let mut command = Command::new(program);
-    command.arg("console").arg("--out").arg(desk.path("console")).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().unwrap();
-    let mut url = String::new();
-    BufReader::new(child.stdout.take().unwrap()).read_line(&mut url).unwrap();
-    let mut page = Page::open(url.trim());
+    let mut console = Program::start_of(&program, &desk, "console --out console");
+    let mut page = Page::open(&console.first_line());
     page.send("\"order\":\"arm\"");
     page.wait("\"device\":\"running\"");
     let count = samples(1000);
@@ -121,12 +117,10 @@ fn orders_reach_the_wire() {
     }
     page.send("\"order\":\"end\"");
     page.wait("\"session\":\"idle\"");
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    let (code, text) = console.interrupted();
     let line = text.lines().find(|line| line.starts_with("order to setpoint on the wire:"));
     println!("{}", line.unwrap_or("no figures"));
     // Two orders may share a setpoint.
     let orders = line.and_then(|line| line.split(", ").last()?.strip_suffix(" orders")?.parse::<u32>().ok());
-    assert!(output.status.success() && orders.is_some_and(|orders| orders > count / 2), "{text}");
+    assert!(code == Some(0) && orders.is_some_and(|orders| orders > count / 2), "{text}");
 }

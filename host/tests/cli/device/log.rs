@@ -10,8 +10,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use softlimb::rig::record::{Direction, read, read_capture};
 
-use super::{Program, desk};
+use super::desk;
 use crate::cli::desk::{Desk, SCENE};
+use crate::cli::program::Program;
 use crate::samples::samples;
 
 /// A motion of 1 s, a hold of 2 s, and a device that soon has let go of a killed host's pressures.
