@@ -3,50 +3,55 @@
 #[path = "../../rig/tests/browser/driver.rs"]
 pub(crate) mod driver;
 
-use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::thread;
+use std::process::Command;
 
 use driver::browser;
 
 use crate::cli::desk::Desk;
+use crate::cli::program::Program;
 
-/// A console without a scene, and the address of its page.
-fn console(desk: &Desk) -> (Child, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_softlimb"));
-    command.arg("console").arg("--out").arg(desk.path("console"));
-    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut address = String::new();
-    BufReader::new(child.stdout.take().unwrap()).read_line(&mut address).unwrap();
-    (child, address.trim().to_owned())
-}
+/// Browsers that are begun in all, each with its own console: Chromium 156 sometimes draws one frame a second or none until it ends.
+const BROWSERS: usize = 4;
+
+/// Exit code of the script where the browser is such a one.
+const SLOW: i32 = 3;
 
 #[test]
 fn console_is_used_in_a_browser() {
     let Some(browser) = browser("the console in a browser") else { return };
-    let desk = Desk::new();
-    let (mut child, address) = console(&desk);
-    let mut errors = child.stderr.take().unwrap();
-    let told = thread::spawn(move || {
-        let mut text = String::new();
-        errors.read_to_string(&mut text).unwrap();
-        text
-    });
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser/console.py");
-    let mut command = Command::new("python3");
-    command.arg(script).args([browser, &address]);
-    // Pictures of every page, width and scheme, for eyes.
-    if let Some(pictures) = std::env::var_os("SOFTLIMB_PICTURES") {
-        command.arg("--pictures").arg(PathBuf::from(pictures));
+    let mut has_hung = false;
+    for spare in (0..BROWSERS).rev() {
+        let desk = Desk::new();
+        let mut console = Program::start(&desk, "console --out console");
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser/console.py");
+        let mut command = Command::new("python3");
+        command.arg(script).args([browser, &console.first_line()]);
+        // The last browser may be slow: on busy cores all of them are.
+        if spare > 0 {
+            command.arg("--must-keep-pace");
+        }
+        // Pictures of every page, width and scheme, for eyes.
+        if let Some(pictures) = std::env::var_os("SOFTLIMB_PICTURES") {
+            command.arg("--pictures").arg(PathBuf::from(pictures));
+        }
+        let output = command.output().unwrap();
+        let (code, told) = console.interrupted();
+        let text =
+            String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr) + &told;
+        // Without any frame the alarm ends the script. Two such browsers have no time for a third.
+        let is_slow = match output.status.code() {
+            Some(code) => code == SLOW,
+            None => !std::mem::replace(&mut has_hung, true),
+        };
+        if spare > 0 && is_slow {
+            println!("a browser is begun anew: {text}");
+            continue;
+        }
+        assert!(output.status.success(), "{text}");
+        assert_eq!(code, Some(0), "{text}");
+        assert!(desk.path("console/run.mcap").is_file() && desk.path("console/run.html").is_file());
+        print!("{text}");
+        return;
     }
-    let output = command.output().unwrap();
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    let status = child.wait().unwrap();
-    let told = told.join().unwrap();
-    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr) + &told;
-    assert!(output.status.success(), "{text}");
-    assert!(killed.success() && status.success(), "{status}: {text}");
-    assert!(desk.path("console/run.mcap").is_file() && desk.path("console/run.html").is_file());
-    print!("{text}");
 }

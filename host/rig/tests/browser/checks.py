@@ -1,4 +1,4 @@
-"""What every page must keep: texts in their boxes, and contrast; and a browser to look at it."""
+"""What every page must keep: texts in their boxes, and contrast; and a browser to look at it, at its pace."""
 
 import argparse
 import pathlib
@@ -76,6 +76,32 @@ CONTRAST = r"""
   return [...new Set(wrong)];
 }
 """
+
+
+# Browsers that are begun in all: Chromium 156 sometimes draws one frame a second or none, and goes on so until it ends.
+BROWSERS = 4
+# Milliseconds that three frames take, each counted as a second at most.
+PACE = r"""
+async () => {
+  const began = performance.now();
+  for (let frame = 0; frame < 3; frame++) {
+    await Promise.race([new Promise(requestAnimationFrame), new Promise((done) => setTimeout(done, 1000))]);
+  }
+  return performance.now() - began;
+}
+"""
+SLOWEST_PACE_MS = 2000
+
+
+class SlowBrowser(Exception):
+    """A browser that draws about one frame a second, or none."""
+
+
+def keep_pace(page):
+    """Raises SlowBrowser where the browser of a page is one."""
+    pace_ms = page.evaluate(PACE)
+    if pace_ms > SLOWEST_PACE_MS:
+        raise SlowBrowser(f"three frames in {pace_ms:.0f} ms")
 
 
 def asked(limit_s, **what):

@@ -9,24 +9,11 @@ import pathlib
 import re
 import sys
 
-from checks import CONTRAST, SCHEMES, TEXTS, WIDTHS, asked, launched
+from checks import BROWSERS, CONTRAST, SCHEMES, TEXTS, WIDTHS, SlowBrowser, asked, keep_pace, launched
 from playwright.sync_api import sync_playwright
 
 # Time after which a browser that hangs ends the test, s.
 LIMIT_S = 240
-# Browsers that are begun in all: Chromium 156 sometimes draws one frame a second or none, and goes on so until it ends.
-BROWSERS = 4
-# Milliseconds that three frames take, each counted as a second at most.
-PACE = r"""
-async () => {
-  const began = performance.now();
-  for (let frame = 0; frame < 3; frame++) {
-    await Promise.race([new Promise(requestAnimationFrame), new Promise((done) => setTimeout(done, 1000))]);
-  }
-  return performance.now() - began;
-}
-"""
-SLOWEST_PACE_MS = 2000
 # Milliseconds of script in an update, over the whole run; and from frame to frame while the slider moves, for ten seconds at most: a browser on
 # busy cores may draw one frame a second.
 UPDATES = r"""
@@ -57,10 +44,6 @@ async () => {
 """
 
 
-class SlowBrowser(Exception):
-    """A browser that draws about one frame a second, or none."""
-
-
 class Reader:
     """A reader with one open page."""
 
@@ -85,18 +68,22 @@ class Reader:
         self.page.goto(file.resolve().as_uri())
         # A browser may draw a window behind another one less often.
         self.page.bring_to_front()
-        self.page.wait_for_function("document.documentElement.dataset.ready === 'plots'", timeout=120_000)
+        self.keep_pace()
+        self.until("document.documentElement.dataset.ready === 'plots'", timeout=120_000)
+
+    def until(self, condition, **options):
+        """Waits for a condition. It is tried ten times a second, not with each frame: a slow browser draws few."""
+        self.page.wait_for_function(condition, polling=100, **options)
 
     def keep_pace(self):
-        pace_ms = self.page.evaluate(PACE) if self.must_keep_pace else 0
-        if pace_ms > SLOWEST_PACE_MS:
-            raise SlowBrowser(f"three frames in {pace_ms:.0f} ms")
+        if self.must_keep_pace:
+            keep_pace(self.page)
 
     def row(self):
         return int(self.page.locator("#space").get_attribute("data-row"))
 
     def until_row(self, condition):
-        self.page.wait_for_function(f"(() => {{ const row = Number(document.querySelector('#space').dataset.row); return {condition}; }})()", timeout=60_000)
+        self.until(f"(() => {{ const row = Number(document.querySelector('#space').dataset.row); return {condition}; }})()", timeout=60_000)
 
     def picture(self):
         return self.page.evaluate("document.querySelector('#space').toDataURL()")
@@ -162,7 +149,7 @@ class Reader:
         page.keyboard.press(" ")
         self.until_row("row > 10")
         page.keyboard.press(" ")
-        page.wait_for_function("document.querySelector('#play').textContent === 'Play'")
+        self.until("document.querySelector('#play').textContent === 'Play'")
         whole = page.evaluate("[...window.report.plots.range]")
         page.keyboard.press("+")
         self.expect_one_range(lambda low, high: high - low < 0.6 * (whole[1] - whole[0]), "plus does not zoom")
@@ -172,14 +159,14 @@ class Reader:
         page.locator("#space").focus()
         row = self.row()
         page.keyboard.press("ArrowLeft")
-        page.wait_for_function("(before) => document.querySelector('#space').toDataURL() !== before", arg=before)
+        self.until("(before) => document.querySelector('#space').toDataURL() !== before", arg=before)
         self.expect(self.row() == row, "turning the view moves the time")
         # Tab reaches what a mouse reaches.
         page.locator("#play").focus()
         page.keyboard.press("Enter")
-        page.wait_for_function("document.querySelector('#play').textContent === 'Pause'")
+        self.until("document.querySelector('#play').textContent === 'Pause'")
         page.keyboard.press("Enter")
-        page.wait_for_function("document.querySelector('#play').textContent === 'Play'")
+        self.until("document.querySelector('#play').textContent === 'Play'")
 
     def drag_zooms_all(self):
         plot = self.page.locator(".panel .plot").first
@@ -191,7 +178,7 @@ class Reader:
         self.page.mouse.move(box["x"] + 0.5 * box["width"], height, steps=5)
         self.page.mouse.up()
         whole = self.page.evaluate("window.report.plots.whole")
-        self.page.wait_for_function("document.body.classList.contains('zoomed')", timeout=10_000)
+        self.until("document.body.classList.contains('zoomed')", timeout=10_000)
         self.expect_one_range(lambda low, high: 0 < high - low < 0.5 * (whole[1] - whole[0]), "a drag does not zoom")
         self.page.locator("#whole").click()
         self.expect_one_range(lambda low, high: [low, high] == whole, "the button does not show the whole run")
@@ -269,6 +256,8 @@ def read(page, file, pictures, must_keep_pace):
     except SlowBrowser:
         raise
     except Exception as error:  # the remaining pages are opened all the same
+        # A slow browser is the cause of whatever came too late.
+        reader.keep_pace()
         reader.complain(f"{type(error).__name__}: {error}")
     return reader.wrong
 
