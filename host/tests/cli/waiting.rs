@@ -66,6 +66,8 @@ fn time_shows_on_a_terminal_after_two_seconds() {
     let line = format!("timeout -s INT 6 {softlimb} learn scene.toml --iterations 200 --trials 100");
     let ended = Command::new("script").args(["-qec", &line, "/dev/null"]).current_dir(desk.path("")).output().unwrap();
     let shown = String::from_utf8_lossy(&ended.stdout);
-    assert!(shown.contains("computing for 00:00:02; Ctrl-C ends it"), "{shown}");
+    // A busy computer draws late.
+    let first = shown.split_once("computing for ").map_or("", |(_, rest)| rest);
+    assert!((2..=5).any(|s| first.starts_with(&format!("00:00:0{s}; Ctrl-C ends it"))), "{shown}");
     assert!(shown.contains("interrupted: "), "{shown}");
 }
