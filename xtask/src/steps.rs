@@ -26,6 +26,9 @@ const LIMIT: Duration = Duration::from_secs(30 * 60);
 /// The same of tests that keep time by this computer's clock.
 const LIMIT_IN_REAL_TIME: Duration = Duration::from_secs(10 * 60);
 
+/// The longest that any job may take with whole samples.
+const LIMIT_FULL: Duration = Duration::from_secs(5 * 60 * 60);
+
 /// Steps that need more than Rust.
 const BOARDS: &str = "images for the board";
 const COUNTS: &str = "`cargo xtask model-image`";
@@ -102,9 +105,12 @@ fn all(tally: &mut Tally, options: Options) {
 }
 
 /// Tests that keep time by this computer's clock, as devices and frames of a browser do: they run after all others, one program at a time.
-const IN_REAL_TIME: [(&str, &str); 5] = [
+const IN_REAL_TIME: [(&str, &str); 8] = [
+    ("host/tests/main.rs", "cli::console::"),
     ("host/tests/main.rs", "cli::device::"),
     ("host/tests/main.rs", "cli::jog::"),
+    ("host/tests/main.rs", "cli::waiting::"),
+    ("host/tests/main.rs", "cli::wire::"),
     ("host/rig/tests/main.rs", "port::"),
     ("host/rig/tests/main.rs", "report_browser::"),
     ("tests/emulated.rs", "wire::"),
@@ -117,7 +123,7 @@ fn in_real_time(built: &Built, full: bool, images: bool) -> Vec<Job> {
         job.name = format!("{source}, {filter}");
         job.command.args([filter, "--test-threads", "1"]);
         let mut job = with_settings(job, full, images);
-        job.limit = job.limit.map(|_| LIMIT_IN_REAL_TIME);
+        job.limit = Some(if full { LIMIT_FULL } else { LIMIT_IN_REAL_TIME });
         Some(job)
     };
     IN_REAL_TIME.into_iter().filter_map(of).collect()
@@ -134,10 +140,9 @@ fn with_settings(mut job: Job, full: bool, images: bool) -> Job {
     if images {
         job.command.env(IMAGES, firmware::folder());
     }
+    job.limit = Some(if full { LIMIT_FULL } else { LIMIT });
     if full {
         job.command.env(SAMPLES.0, SAMPLES.1);
-    } else {
-        job.limit = Some(LIMIT);
     }
     job
 }
@@ -289,10 +294,11 @@ mod tests {
         let words = |job: &Job| job.command.get_args().map(|word| word.to_owned()).collect::<Vec<_>>();
         let alone = in_real_time(&built(), false, true);
         let of_room = |room: &str| [room, "--test-threads", "1"].map(std::ffi::OsString::from).to_vec();
-        assert_eq!(alone.iter().map(words).collect::<Vec<_>>(), ["cli::device::", "cli::jog::"].map(of_room));
+        let rooms = ["cli::console::", "cli::device::", "cli::jog::", "cli::waiting::", "cli::wire::"];
+        assert_eq!(alone.iter().map(words).collect::<Vec<_>>(), rooms.map(of_room));
         let beside = jobs(Path::new("xtask"), built(), false, true);
         let of = |name: &str| words(beside.iter().find(|job| job.name == name).unwrap());
-        assert_eq!(of("host/tests/main.rs"), ["--skip", "cli::device::", "--skip", "cli::jog::"]);
+        assert_eq!(of("host/tests/main.rs"), rooms.map(|room| ["--skip", room]).concat());
         assert!(of("host/src/lib.rs").is_empty());
     }
 
@@ -308,6 +314,7 @@ mod tests {
         for (full, images) in [(false, false), (false, true), (true, false), (true, true)] {
             for job in of(full, images) {
                 assert_eq!((has(&job, SAMPLES.0), has(&job, IMAGES)), (full, images), "{}", job.name);
+                assert!(job.limit.is_some(), "{}", job.name);
             }
         }
     }
