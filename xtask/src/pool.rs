@@ -44,7 +44,7 @@ fn output(command: &mut Command, limit: Option<Duration>) -> io::Result<Output> 
     Ok(Output { status, stdout, stderr })
 }
 
-/// Waits for the end of a child, and ends it at the limit; whether the limit was reached.
+/// Waits for the end of a child, and ends it at the limit with all that it has started; whether the limit was reached.
 fn wait(child: &mut Child, limit: Duration) -> io::Result<(ExitStatus, bool)> {
     let mut waited = Duration::ZERO;
     while waited < limit {
@@ -54,8 +54,42 @@ fn wait(child: &mut Child, limit: Duration) -> io::Result<(ExitStatus, bool)> {
         thread::sleep(PAUSE);
         waited += PAUSE;
     }
+    let started = descendants(child.id());
+    // The child first: it neither notices the end of the others nor starts more.
     child.kill()?;
+    end_all(&started);
     Ok((child.wait()?, true))
+}
+
+/// Processes that a process has started, and those that they have started; none where no program lists them.
+///
+/// A group of processes would name them too, but Ctrl-C at the terminal reaches the group of this program alone.
+fn descendants(of: u32) -> Vec<u32> {
+    let Ok(listed) = Command::new("ps").args(["-A", "-o", "pid=", "-o", "ppid="]).stderr(Stdio::null()).output() else {
+        return Vec::new();
+    };
+    let text = String::from_utf8_lossy(&listed.stdout);
+    let pair = |line: &str| {
+        let mut numbers = line.split_whitespace().map(str::parse);
+        Some((numbers.next()?.ok()?, numbers.next()?.ok()?))
+    };
+    let pairs: Vec<(u32, u32)> = text.lines().filter_map(pair).collect();
+    let mut found = vec![of];
+    let mut next = 0;
+    while let Some(&parent) = found.get(next) {
+        found.extend(pairs.iter().filter(|pair| pair.1 == parent).map(|pair| pair.0));
+        next += 1;
+    }
+    found.split_off(1)
+}
+
+/// Ends processes. Those that have ended already are no error.
+fn end_all(processes: &[u32]) {
+    if !processes.is_empty() {
+        let mut kill = Command::new("kill");
+        kill.arg("-KILL").args(processes.iter().map(u32::to_string));
+        let _ = kill.stdout(Stdio::null()).stderr(Stdio::null()).status();
+    }
 }
 
 /// A pipe that is read beside the wait for the program that writes it.
@@ -78,7 +112,7 @@ impl Pipe {
         Self { bytes, reader }
     }
 
-    /// What came. A program that hung may have started others, which keep the pipe open: it is left to them.
+    /// What came. A program that hung may have started others that were not found and keep the pipe open: it is left to them.
     fn end(self, hung: bool) -> Vec<u8> {
         if !hung {
             // A reader does not panic.
@@ -145,15 +179,29 @@ mod tests {
 
     #[test]
     fn job_that_hangs_is_ended_and_what_it_printed_is_kept() {
-        let limit = Some(Duration::from_millis(300));
-        // The child of the shell outlives it, and holds the pipes.
+        // A busy computer takes time to start a shell.
+        let limit = Some(Duration::from_secs(3));
         let hangs = run(Job { limit, ..shell("hangs", "echo before; sleep 20; echo after") });
         let output = hangs.output.unwrap();
         assert_eq!((output.status.code(), output.stdout.as_slice()), (None, &b"before\n"[..]));
-        assert_eq!(output.stderr, b"xtask: ended at its limit of 0.3 s\n");
+        assert_eq!(output.stderr, b"xtask: ended at its limit of 3 s\n");
         let ends = run(Job { limit: Some(Duration::from_secs(60)), ..shell("ends", "echo all; exit 3") });
         let output = ends.output.unwrap();
         assert_eq!((output.status.code(), output.stdout.as_slice()), (Some(3), &b"all\n"[..]));
+    }
+
+    #[test]
+    fn descendants_of_a_job_that_hangs_are_ended_with_it() {
+        let limit = Some(Duration::from_secs(3));
+        let hangs = run(Job { limit, ..shell("hangs", "sh -c 'sleep 600 & echo $!; wait' & wait") });
+        let id = String::from_utf8(hangs.output.unwrap().stdout).unwrap();
+        let runs = || {
+            let state = Command::new("ps").args(["-o", "stat=", "-p", id.trim()]).output().unwrap().stdout;
+            // Nobody may have asked how it ended.
+            !state.trim_ascii().is_empty() && !state.starts_with(b"Z")
+        };
+        assert!(!id.is_empty());
+        assert!((0..1_000).any(|_| !runs() || (thread::sleep(PAUSE), false).1), "{id} still runs");
     }
 
     #[test]
