@@ -1,4 +1,7 @@
-"""Actuators that several tests use."""
+"""Actuators that several tests use, and a thread beside their calls."""
+
+import threading
+import time
 
 import pytest
 
@@ -15,3 +18,32 @@ def tube():
         return Actuator(**{**fields, **changes})
 
     return make
+
+
+@pytest.fixture
+def counted_during():
+    """Counts the turns of another thread during a call. A busy computer may give it none: a call with few is repeated, for 30 s at most."""
+
+    def count_during(call):
+        counted, done = [0], threading.Event()
+
+        def count():
+            while not done.is_set():
+                counted[0] += 1
+                time.sleep(0)
+
+        other = threading.Thread(target=count, daemon=True)
+        other.start()
+        end_s = time.monotonic() + 30.0
+        try:
+            while True:
+                before = counted[0]
+                call()
+                during = counted[0] - before
+                if during > 10 or time.monotonic() > end_s:
+                    return during
+        finally:
+            done.set()
+            other.join()
+
+    return count_during

@@ -1,7 +1,5 @@
 """A limb that is led step by step, beside its log and the scene's statements."""
 
-import threading
-import time
 from pathlib import Path
 
 import numpy as np
@@ -116,20 +114,6 @@ def test_session_that_is_over_says_so(scene, tmp_path):
         scene.session(tmp_path / "file" / "below")
 
 
-def test_other_threads_run_while_the_limb_moves(scene):
-    counted, done = [0], threading.Event()
-
-    def count():
-        while not done.is_set():
-            counted[0] += 1
-            time.sleep(0)
-
+def test_other_threads_run_while_the_limb_moves(scene, counted_during):
     with scene.session() as session:
-        other = threading.Thread(target=count)
-        other.start()
-        before = counted[0]
-        session.step(5.0, [BENT_RAD])
-        during = counted[0] - before
-        done.set()
-        other.join()
-    assert during > 10
+        assert counted_during(lambda: session.step(5.0, [BENT_RAD])) > 10

@@ -84,17 +84,21 @@ def test_cluster_that_loses_a_worker_makes_the_same_table(study, whole, tmp_path
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
         with distributed.Client(cluster) as client:
-            victim = next(iter(client.run(os.getpid).values()))
+            victim, stop = next(iter(client.run(os.getpid).values())), threading.Event()
 
             def kill_when_a_part_is_there():
-                while not list(tmp_path.glob("cluster.csv.parts/*/*.csv")):
-                    time.sleep(0.01)
-                os.kill(victim, signal.SIGKILL)
+                while not stop.wait(0.01):
+                    if list(tmp_path.glob("cluster.csv.parts/*/*.csv")):
+                        os.kill(victim, signal.SIGKILL)
+                        return
 
-            killer = threading.Thread(target=kill_when_a_part_is_there)
+            killer = threading.Thread(target=kill_when_a_part_is_there, daemon=True)
             killer.start()
-            table = softlimb.sweep(study, client, out=tmp_path / "cluster.csv", shards=12)
-            killer.join()
+            try:
+                table = softlimb.sweep(study, client, out=tmp_path / "cluster.csv", shards=12)
+            finally:
+                stop.set()
+                killer.join()
             assert victim not in client.run(os.getpid).values()
     assert table.read_bytes() == whole
 
