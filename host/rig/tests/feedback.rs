@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_rig::link::port::PortAddress;
+use softlimb_rig::record;
 use softlimb_rig::record::RunLog;
 use softlimb_rig::report;
 use softlimb_rig::run::{Mcu, RunError, RunOptions, run, run_behind, summaries};
@@ -111,4 +112,30 @@ fn device_behind_a_port_has_no_camera() {
     let cancel = AtomicBool::new(false);
     let refused = run_behind(&scene, (limb, plan), (&address, None), None, folder.path(), &cancel, |_| ());
     assert!(matches!(refused, Err(RunError::NoCamera)), "{refused:?}");
+}
+
+/// A plain run bridges such a stall by setpoints that were sent before; with feedback they do not exist yet.
+#[test]
+fn faults_of_host_link_and_device_end_feedback_and_keep_the_log() {
+    let scene = holding("single-bending", "[camera]\nfeedback = true\n");
+    for (name, words, is_heard_to_the_end) in [
+        ("host-stall", "the device is holding before the end", true),
+        ("link-silent", "the link is lost", false),
+        ("device-reset", "it was reset", false),
+        ("emergency-stop", "emergency stop", true),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let faults = vec![format!("{name}@1.5").parse().unwrap()];
+        let out = folder.path().to_owned();
+        let options = RunOptions { seed: 1, out, mcu: Mcu::Here, link_faults: None, faults };
+        let Err(RunError::Stopped { cause, files }) = run(&scene, &options, &AtomicBool::new(false), |_| ()) else {
+            panic!("{name} does not end the run")
+        };
+        assert!(cause.to_string().contains(words), "{name}: {cause}");
+        let log = record::read(&files.log).unwrap();
+        let last = log.samples.last().unwrap();
+        let left_pa = last.channels[0].true_pressure_pa.unwrap();
+        assert!(last.time_s > 1.48 && log.peak_chamber_pa[0] < 30e3, "{name}: {:?}", log.peak_chamber_pa);
+        assert_eq!(left_pa < 100.0, is_heard_to_the_end, "{name}: {left_pa} Pa at {} s", last.time_s);
+    }
 }
