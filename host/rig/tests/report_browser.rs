@@ -45,7 +45,10 @@ fn long(run: &RunLog) -> RunLog {
     });
     long.bodies = again(&run.bodies, shifts.clone(), |body, shift_s| body.time_s += shift_s);
     long.shapes = again(&run.shapes, shifts.clone(), |shape, shift_s| shape.time_s += shift_s);
-    long.info.phases = again(&run.info.phases, shifts, |phase, shift_s| phase.start_s += shift_s);
+    long.info.phases = again(&run.info.phases, shifts, |phase, shift_s| {
+        phase.start_s += shift_s;
+        phase.nearest.iter_mut().for_each(|nearest| nearest.time_s += shift_s);
+    });
     let channels = run.info.channel_count();
     long.info.modules = (0..3)
         .flat_map(|copy| {
