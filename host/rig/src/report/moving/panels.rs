@@ -32,7 +32,7 @@ pub(super) struct Trace {
     /// Table and column of its values; the times are the first column.
     table: &'static str,
     column: String,
-    /// `line`, `setpoint` (a pale band), `planned` (dashed).
+    /// `line`, `setpoint` (a pale band), `planned` (dashed), `required` (dotted).
     style: &'static str,
     /// Index of its color.
     color: usize,
@@ -147,7 +147,7 @@ impl Filled<'_> {
         let seen = self.log.bodies.iter().any(|body| body.nearest.is_some());
         let mut traces = Vec::new();
         if self.plots.planned.rows > 0 {
-            traces.push(trace("planned", "planned", "clearance", "planned", 0));
+            traces.push(trace("planned", "planned", "clearance", "planned", 2));
         }
         if seen {
             let clearance = |body: &Body| body.nearest.as_ref().map_or(f64::NAN, |(distance_m, _)| distance_m * 1e3);
@@ -155,14 +155,19 @@ impl Filled<'_> {
             traces.push(body_trace("achieved", "clearance", "line", 0));
         }
         if !traces.is_empty() {
-            let axis = "surface to surface, mm".to_owned();
-            self.panel(
-                "Clearance",
-                "Distance from the nearest obstacle; planned: least of a phase",
-                axis,
-                true,
-                traces,
-            );
+            if let Some(required_m) = self.log.info.clearance_m {
+                let required_mm = 1e3 * required_m;
+                if seen {
+                    self.body("required", MM, move |_| required_mm);
+                } else {
+                    let rows = self.plots.planned.rows;
+                    self.plots.planned.add("required", MM, std::iter::repeat_n(required_mm, rows));
+                }
+                traces.push(trace("required", if seen { "bodies" } else { "planned" }, "required", "required", 1));
+            }
+            let planned = if self.plots.planned.rows > 0 { "; planned: least of each phase" } else { "" };
+            let axis = format!("surface to surface, mm{planned}");
+            self.panel("Clearance", "Distance from the nearest obstacle", axis, true, traces);
             let levels_m = self.log.info.phases.iter().filter_map(|phase| Some(phase.nearest.as_ref()?.distance_m));
             let most_mm = levels_m.map(|level_m| 1.2e3 * level_m).filter(|most_mm| most_mm.is_finite());
             let most_mm = most_mm.fold(FAR_MM, f64::max);
