@@ -158,7 +158,7 @@ fn columns_of_phases_without_content_are_left_out() {
     let mut run = synthetic_run::run();
     let page = html(&run);
     let headings = phase_headings(&page);
-    for heading in ["tip error, mm", "by pressure", "by model"] {
+    for heading in ["tip error, mm", "by pressure, mm", "by model, mm"] {
         assert!(headings.contains(&heading), "{heading} of {headings:?}");
     }
     for (feedback, corrections) in [(true, false), (false, true)] {
@@ -166,7 +166,7 @@ fn columns_of_phases_without_content_are_left_out() {
         let page = html(&run);
         let headings = phase_headings(&page);
         assert!(headings.contains(&"tip error, mm"), "{headings:?}");
-        for heading in ["by pressure", "by model", "by sag"] {
+        for heading in ["by pressure, mm", "by model, mm", "by sag, mm"] {
             assert!(!headings.contains(&heading), "{heading} of {headings:?}");
         }
         assert!(!page.contains("The causes add as vectors") && page.contains("not split into causes"));
@@ -177,8 +177,8 @@ fn columns_of_phases_without_content_are_left_out() {
     run.bodies.iter_mut().for_each(|body| body.tip_unloaded_m = None);
     let page = html(&run);
     let headings = phase_headings(&page);
-    assert!(headings.contains(&"by pressure"), "{headings:?}");
-    assert!(!headings.contains(&"tip error, mm") && !headings.contains(&"by model"), "{headings:?}");
+    assert!(headings.contains(&"by pressure, mm"), "{headings:?}");
+    assert!(!headings.contains(&"tip error, mm") && !headings.contains(&"by model, mm"), "{headings:?}");
     // Nothing then says whether corrected setpoints were right.
     run.info.corrections = true;
     let page = html(&run);
@@ -265,7 +265,7 @@ fn verdict(run: &RunLog) -> Vec<String> {
     let page = html(run);
     let (_, rest) = page.split_once("<div class=\"verdict").unwrap();
     let (verdict, _) = rest.split_once("</div>").unwrap();
-    let sentence = |line: &str| line.split("</p>").next().unwrap().replace("&#39;", "'");
+    let sentence = |line: &str| line.split("</p>").next().unwrap().replace("&#39;", "'").replace('\u{a0}', " ");
     verdict.split("<p>").skip(1).map(sentence).collect()
 }
 
@@ -293,22 +293,20 @@ fn verdict_says_whether_why_and_how_close() {
         verdict(&run),
         [
             "Hit all 4 goals: the tip ended at most 5.0 mm off (allowed 18.0 mm, 3 % of the limb's length).",
-            "Farthest from its setpoint at the end of a phase: 5.0 mm at reach, 4.0 mm because the limb differs from its model, 3.0 mm by pressure tracking; they add as vectors.",
+            "Farthest from its setpoint at the end of a phase: 5.0 mm at “reach”, 4.0 mm because the limb differs from its model, 3.0 mm by pressure tracking; they add as vectors.",
             "Least clearance of the run: 12.0 mm from post at 9.00 s; planned 15.0 mm, required 10.0 mm.",
         ]
     );
     let mut contact = run.clone();
     contact.bodies[100].nearest = Some((-0.002, "post".into()));
-    assert_eq!(
-        verdict(&contact)[2],
-        "The limb touched an obstacle: 2.0 mm deep in post at 10.00 s; planned 15.0 mm, required 10.0 mm."
-    );
+    let touched = "The limb touched an obstacle: 2.0 mm deep in post at 10.00 s; planned 15.0 mm, required 10.0 mm.";
+    assert!(verdict(&contact)[0].contains(touched), "{:?}", verdict(&contact));
     let mut stopped = run.clone();
     stopped.samples.truncate(1201);
     assert_eq!(
         verdict(&stopped)[..2],
         [
-            "The run ended at 12.00 s in phase lift: 2 of 4 phases finished, 2 at their goals.",
+            "The run ended at 12.00 s in phase “lift”: 2 of 4 phases finished, 2 at their goals.",
             "Until then the tip was at most 5.0 mm off its setpoint.",
         ]
     );
@@ -318,6 +316,12 @@ fn verdict_says_whether_why_and_how_close() {
     let mut near = run.clone();
     near.info.clearance_m = Some(0.013);
     assert!(html(&near).contains("class=\"verdict alarming\""), "12 mm are less than the 13 mm asked for");
+    let headline = verdict(&near).remove(0);
+    let violation = " Clearance 12.0 mm from post at 9.00 s, below the required 13.0 mm; planned 15.0 mm.";
+    assert!(headline.starts_with("Hit all 4 goals: ") && headline.ends_with(violation), "{headline}");
+    assert!(html(&near).contains("at 9.00\u{a0}s, below required</td>"), "the table marks the phase");
+    near.info.clearance_m = Some(0.012_04);
+    assert!(verdict(&near)[0].contains("12.0 mm from post at 9.00 s, below the required 12.040 mm"));
     // A plan that the run did not come to is no measure for it: the least of the plan is at 8.8 s.
     let mut early = run.clone();
     early.samples.truncate(701);
@@ -334,7 +338,7 @@ fn verdict_says_whether_why_and_how_close() {
         sample.modules[1].achieved = Some(sample.modules[1].modelled);
     }
     assert!(
-        verdict(&missed)[0].starts_with("Module elbow missed its setpoint at the end of reach by "),
+        verdict(&missed)[0].starts_with("Module elbow missed its setpoint at the end of “reach” by "),
         "{:?}",
         verdict(&missed)
     );
@@ -361,14 +365,47 @@ fn tip_beyond_its_tolerance_or_its_region_is_a_miss() {
     assert_eq!(
         verdict(&off)[..2],
         [
-            "Missed 1 of 4 goals: the tip ended 61.0 mm off at grasp (allowed 18.0 mm, 3 % of the limb's length).",
-            "Farthest from its setpoint at the end of a phase: 61.0 mm at grasp, 61.0 mm because the limb differs from its model, 1.5 mm by pressure tracking; they add as vectors.",
+            "Missed 1 of 4 goals: “grasp”, 61.0 mm off (allowed 18.0 mm, 3 % of the limb's length).",
+            "Farthest from its setpoint at the end of a phase: 61.0 mm at “grasp”, 61.0 mm because the limb differs from its model, 1.5 mm by pressure tracking; they add as vectors.",
         ]
     );
     let page = html(&off);
     assert!(page.contains("class=\"verdict alarming\""));
     let goals = |goal: &str| page.matches(&format!("<td>{goal}</td>")).count();
     assert_eq!((goals("hit"), goals("missed")), (3, 1));
+
+    // Phases of one name are one entry, the farthest of them.
+    let mut again = off.clone();
+    again.info.phases[0].name = "grasp".into();
+    let window = again.samples.iter_mut().filter(|sample| (4.5..=5.0).contains(&sample.time_s));
+    for sample in window {
+        let [x, y, z] = sample.tip_modelled_m;
+        sample.tip_achieved_m = Some([x, y + 0.04, z]);
+    }
+    let limit = "(allowed 18.0 mm, 3 % of the limb's length)";
+    let grouped = format!("Missed 2 of 4 goals: “grasp” 2 times, at most 61.0 mm off {limit}.");
+    assert_eq!(verdict(&again)[0], grouped);
+    assert!(html(&again).contains("<th class=\"number\">start, s</th>"), "starts tell phases of one name apart");
+    again.info.phases[0].name = "reach".into();
+    assert_eq!(verdict(&again)[0], format!("Missed 2 of 4 goals: “grasp”, 61.0 mm off; “reach”, 40.1 mm off {limit}."));
+    assert!(page.contains("61.0\u{a0}mm off (allowed 18.0\u{a0}mm, 3\u{a0}% of"), "no line ends before a unit");
+
+    // The gripper of the simulation takes its object there all the same.
+    let mut carried = off.clone();
+    carried.info.carried = vec![CarriedInfo {
+        name: "bottle".into(),
+        radius_m: 0.03,
+        above_m: 0.05,
+        below_m: 0.1,
+        start_m: None,
+        from_s: 8.0,
+        to_s: None,
+    }];
+    carried.info.simulated = true;
+    let expected = "The gripper closed off its goal in “grasp”, and bottle was carried on. The simulated gripper takes its object wherever it closes.";
+    assert_eq!(verdict(&carried)[1], expected);
+    carried.info.carried[0].from_s = 3.0;
+    assert!(!verdict(&carried).iter().any(|text| text.contains("closed off")), "taken where the goal was hit");
 
     // Within a region the tip may be far from its setpoint.
     let mut within = off.clone();
@@ -389,7 +426,7 @@ fn tip_beyond_its_tolerance_or_its_region_is_a_miss() {
     let shape = SolidShape::Box { center_m: [at[0], at[1] + 0.112, at[2]], half_axes_m };
     beside.info.solids = vec![SolidInfo { name: "tray".into(), region: true, lines_m: Vec::new(), shape: Some(shape) }];
     beside.info.phases[1].region = Some("tray".into());
-    assert_eq!(verdict(&beside)[0], "Missed 1 of 4 goals: the tip ended 10.0 mm outside of region tray at grasp.");
+    assert_eq!(verdict(&beside)[0], "Missed 1 of 4 goals: “grasp”, 10.0 mm outside of region “tray”.");
 }
 
 #[test]
@@ -408,6 +445,10 @@ fn unobserved_limb_is_said_to_be_unobserved() {
         "Least clearance of the run: 15.0 mm planned, from post at 8.80 s, required 10.0 mm; not observed."
     );
     let page = html(&run);
+    assert!(
+        page.contains("\"name\":\"required\",\"table\":\"planned\""),
+        "the required clearance is a line of its own"
+    );
     let unseen = [("samples", "error"), ("samples", "achieved_1"), ("samples", "by_model"), ("bodies", "clearance")];
     let columns = columns(&page);
     assert!(unseen.iter().all(|(table, name)| !columns.iter().any(|column| column.0 == *table && column.1 == *name)));

@@ -4,7 +4,7 @@ use super::causes::{Cause, Causes, GoalCheck, Outcome, TOLERANCE, outcomes};
 use super::stats::distance;
 use super::summary::scheduled;
 use super::{Miss, Summary, rows};
-use crate::record::{NearestInfo, RunLog};
+use crate::record::{CarriedInfo, FaultRecord, NearestInfo, RunLog};
 
 /// Largest depth in a surface, m, that counts as its compliance.
 const GIVES_M: f64 = 0.1e-3;
@@ -45,6 +45,8 @@ pub(super) struct PhaseRow {
     pub(super) swing_planned: String,
     pub(super) planned: String,
     pub(super) achieved: String,
+    /// Whether its goal was missed, or its clearance is below the required one.
+    pub(super) alarming: bool,
 }
 
 /// The answers of a run in sentences: did it hit, why not, how close was an obstacle, what failed.
@@ -68,7 +70,7 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
     let reason = worst.map(|(outcome, causes, total_m)| {
         let parts: Vec<_> = causes.sorted().into_iter().map(|(cause, part_m)| because(cause, part_m)).collect();
         let vectors = if parts.len() > 1 { "; they add as vectors" } else { "" };
-        let name = &outcome.phase.name;
+        let name = quoted(&outcome.phase.name);
         let causes: String = parts.iter().map(|part| format!(", {part}")).collect();
         format!("Farthest from its setpoint at the end of a phase: {} at {name}{causes}{vectors}.", mm(total_m))
     });
@@ -81,11 +83,19 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
     let clearance = clearance_of(log, &outcomes);
     let is_close = clearance.as_ref().is_some_and(|card| card.alarming);
     let is_deep = least(&outcomes).is_some_and(|nearest| is_deep(log, nearest));
-    let clearance = clearance.map(|card| match (log.contacts.iter().all(|contact| contact.carried), is_deep) {
-        (false, _) => format!("The limb touched an obstacle: contact {}.", card.detail),
-        (true, true) => format!("The limb touched an obstacle: {}.", card.detail),
-        (true, false) => format!("Least clearance of the run: {} {}.", card.value, card.detail),
+    let is_carried = log.contacts.iter().all(|contact| contact.carried);
+    let clearance = clearance.map(|card| match (is_carried, is_deep, is_close) {
+        (false, ..) => format!("The limb touched an obstacle: contact {}.", card.detail),
+        (true, true, _) => format!("The limb touched an obstacle: {}.", card.detail),
+        (true, false, true) => format!("Clearance {} {}.", card.value, card.detail),
+        (true, false, false) => format!("Least clearance of the run: {} {}.", card.value, card.detail),
     });
+    // The headline has a violation of the clearance beside the goals.
+    let (headline, clearance) = match clearance {
+        Some(violation) if is_close => (format!("{arrival} {violation}"), None),
+        clearance => (arrival, clearance),
+    };
+    let grasp = grasped_off_goal(log, &outcomes);
     let first = summary.faults.first().map(rows::fault);
     let faults = first.map(|first| match summary.faults.len() {
         1 => format!("One fault: {first}."),
@@ -96,8 +106,61 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
         .then(|| "The run is weightless: the simulated limb carries neither its own weight nor a payload.".to_owned());
     let is_off = !off_goal.is_empty() || !summary.misses.is_empty();
     let alarming = is_close || is_off || unfinished.is_some() || !summary.faults.is_empty();
-    let sentences = [Some(arrival), before, reason, clearance, faults, weightless];
-    Verdict { sentences: sentences.into_iter().flatten().collect(), alarming }
+    let sentences = [Some(headline), grasp, before, reason, clearance, faults, weightless];
+    Verdict { sentences: sentences.into_iter().flatten().map(|text| unbroken(&text)).collect(), alarming }
+}
+
+/// Picks whose goal was missed and whose object was carried on.
+fn grasped_off_goal(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<String> {
+    if !log.info.simulated {
+        return None;
+    }
+    let is_left = |object: &CarriedInfo| {
+        let carried_s = object.from_s - 1e-6..=object.to_s.unwrap_or(f64::INFINITY) + 1e-6;
+        let left = |fault: &FaultRecord| fault.code == FaultRecord::LEFT_BEHIND && carried_s.contains(&fault.time_s);
+        log.faults.iter().any(left)
+    };
+    let off_goal = outcomes.iter().filter(|outcome| outcome.goal.is_some_and(|goal| !goal.is_hit()));
+    let picks = off_goal.filter_map(|outcome| {
+        let within_s = outcome.phase.start_s - 1e-6..=outcome.phase.end_s() + 1e-6;
+        let mut taken = log.info.carried.iter().filter(|object| within_s.contains(&object.from_s));
+        taken.find(|object| !is_left(object)).map(|object| (&outcome.phase.name, &object.name))
+    });
+    let picks: Vec<_> = picks.collect();
+    let (phase, object) = picks.first()?;
+    let picked = match picks.len() {
+        1 => format!("The gripper closed off its goal in {}, and {object} was carried on.", quoted(phase)),
+        count => {
+            format!(
+                "The gripper closed off its goal {count} times, first in {}, and {object} was carried on.",
+                quoted(phase)
+            )
+        }
+    };
+    Some(format!("{picked} The simulated gripper takes its object wherever it closes."))
+}
+
+fn counted(count: usize, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
+}
+
+/// A name of a scene file, set apart from the words of a sentence.
+fn quoted(name: &str) -> String {
+    format!("\u{201c}{name}\u{201d}")
+}
+
+/// The text with a number and its unit on one line.
+fn unbroken(text: &str) -> String {
+    const UNITS: [&str; 5] = ["mm", "%", "s", "N", "kPa"];
+    let mut words = text.split(' ');
+    let mut whole = words.next().unwrap_or_default().to_owned();
+    for word in words {
+        let unit = word.trim_end_matches(|letter: char| letter != '%' && !letter.is_alphanumeric());
+        let is_unit = UNITS.contains(&unit) && whole.ends_with(|letter: char| letter.is_ascii_digit());
+        whole.push(if is_unit { '\u{a0}' } else { ' ' });
+        whole.push_str(word);
+    }
+    whole
 }
 
 /// A cause of the tip's error in words.
@@ -116,7 +179,7 @@ fn stopped(outcomes: &[Outcome<'_>], within: &Outcome<'_>, summary: &Summary) ->
     let hits = outcomes.iter().filter(|outcome| outcome.goal.is_some_and(|goal| goal.is_hit())).count();
     let judged = if hits > 0 { format!(", {hits} at their goals") } else { String::new() };
     let after = if summary.faults.is_empty() { "" } else { ", after a fault" };
-    let (count, name, end_s) = (outcomes.len(), &within.phase.name, summary.duration_s);
+    let (count, name, end_s) = (outcomes.len(), quoted(&within.phase.name), summary.duration_s);
     format!("The run ended at {end_s:.2} s in phase {name}{after}: {finished} of {count} phases finished{judged}.")
 }
 
@@ -145,32 +208,59 @@ fn hit(outcomes: &[Outcome<'_>], total_m: f64) -> String {
     format!("{goals}: the tip ended at most {} off{allowed}.", mm(most_m))
 }
 
-/// Phases that ended off their goal, the farthest first: points, which share a tolerance, and then regions.
+/// Phases that ended off their goal, the farthest first. Those of one name and one kind of goal are one entry.
 fn off(mut off_goal: Vec<&Outcome<'_>>, goals: usize) -> String {
     const NAMED: usize = 4;
     let beyond_m = |outcome: &Outcome<'_>| outcome.goal.map_or(0.0, |goal| goal.beyond_m());
+    let is_alike = |one: &Outcome<'_>, other: &Outcome<'_>| {
+        let regions = [one, other].map(|outcome| outcome.goal.and_then(|goal| goal.region()));
+        one.phase.name == other.phase.name && regions[0] == regions[1]
+    };
     off_goal.sort_by(|a, b| beyond_m(b).total_cmp(&beyond_m(a)));
-    let (mut points, mut regions) = (Vec::new(), Vec::new());
-    for outcome in off_goal.iter().take(NAMED) {
-        let phase = &outcome.phase.name;
-        match outcome.goal {
-            Some(GoalCheck::Point { error_m, .. }) => points.push(format!("{} off at {phase}", mm(error_m))),
-            Some(GoalCheck::Region { name, outside_m }) => {
-                regions.push(format!("{} outside of region {name} at {phase}", mm(outside_m)));
-            }
-            None => {}
+    let mut groups: Vec<(&Outcome<'_>, usize)> = Vec::new();
+    for outcome in &off_goal {
+        match groups.iter_mut().find(|(first, _)| is_alike(first, outcome)) {
+            Some((_, count)) => *count += 1,
+            None => groups.push((outcome, 1)),
         }
     }
-    if let Some(last) = points.last_mut() {
-        *last += &off_goal.iter().find_map(|outcome| outcome.goal?.allowed()).unwrap_or_default();
+    // The tolerance, which all points share, follows the last of them.
+    let (points, regions): (Vec<_>, Vec<_>) =
+        groups.iter().take(NAMED).partition(|(first, _)| first.goal.is_some_and(|goal| goal.region().is_none()));
+    let mut named: Vec<_> = points.iter().map(|group| off_in_words(group)).collect();
+    if let Some(last) = named.last_mut() {
+        *last += &points.iter().find_map(|(first, _)| first.goal?.allowed()).unwrap_or_default();
     }
-    let more = off_goal.len().saturating_sub(NAMED);
-    let more = (more > 0).then(|| format!("{more} more"));
-    let named: Vec<_> = points.into_iter().chain(regions).chain(more).collect();
-    format!("Missed {} of {goals} goals: the tip ended {}.", off_goal.len(), named.join(", "))
+    named.extend(regions.iter().map(|group| off_in_words(group)));
+    let more: usize = groups.iter().skip(NAMED).map(|(_, count)| count).sum();
+    named.extend((more > 0).then(|| format!("{more} more")));
+    format!("Missed {} of {}: {}.", off_goal.len(), counted(goals, "goal"), named.join("; "))
 }
 
-impl GoalCheck<'_> {
+/// The farthest of a group of phases, and the size of the group.
+fn off_in_words((first, count): &(&Outcome<'_>, usize)) -> String {
+    let distance = match first.goal {
+        Some(GoalCheck::Region { name, outside_m }) => {
+            format!("{} outside of region {}", mm(outside_m), quoted(name))
+        }
+        Some(GoalCheck::Point { error_m, .. }) => format!("{} off", mm(error_m)),
+        None => String::new(),
+    };
+    let phase = quoted(&first.phase.name);
+    match count {
+        1 => format!("{phase}, {distance}"),
+        count => format!("{phase} {count} times, at most {distance}"),
+    }
+}
+
+impl<'a> GoalCheck<'a> {
+    fn region(self) -> Option<&'a str> {
+        match self {
+            Self::Region { name, .. } => Some(name),
+            Self::Point { .. } => None,
+        }
+    }
+
     /// By how much the tip has missed its goal, m; negative where it has not.
     fn beyond_m(self) -> f64 {
         match self {
@@ -193,7 +283,8 @@ fn missed(first: &Miss, others: usize) -> String {
         count => format!(" Misses besides: {count}."),
     };
     format!(
-        "Module {module} missed its setpoint at the end of {phase} by {:.0} % of its travel.{more}",
+        "Module {module} missed its setpoint at the end of {} by {:.0} % of its travel.{more}",
+        quoted(phase),
         1e2 * share_of_travel
     )
 }
@@ -201,10 +292,9 @@ fn missed(first: &Miss, others: usize) -> String {
 /// The answers of a run.
 pub(super) fn cards(log: &RunLog, summary: &Summary) -> Vec<Card> {
     let outcomes = outcomes(log);
-    [tip(log, &outcomes, summary), clearance_card(log, &outcomes), pressure(summary), faults(summary)]
-        .into_iter()
-        .flatten()
-        .collect()
+    let cards = [tip(log, &outcomes, summary), clearance_card(log, &outcomes), pressure(summary), faults(summary)];
+    let whole = |card: Card| Card { value: unbroken(&card.value), detail: unbroken(&card.detail), ..card };
+    cards.into_iter().flatten().map(whole).collect()
 }
 
 fn tip(log: &RunLog, outcomes: &[Outcome<'_>], summary: &Summary) -> Option<Card> {
@@ -227,7 +317,7 @@ fn tip(log: &RunLog, outcomes: &[Outcome<'_>], summary: &Summary) -> Option<Card
     };
     let most =
         causes.sorted().first().map_or(String::new(), |&(cause, part_m)| format!("; {}", because(cause, part_m)));
-    let detail = format!("largest at the end of a phase: {}{most}", outcome.phase.name);
+    let detail = format!("largest at the end of a phase: {}{most}", quoted(&outcome.phase.name));
     let alarming = outcomes.iter().any(|outcome| outcome.goal.is_some_and(|goal| !goal.is_hit()));
     Some(Card { title, value: mm(total_m), detail, alarming })
 }
@@ -265,13 +355,17 @@ fn clearance_of(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
         return Some(Card { title, value: mm(planned.distance_m), detail, alarming: false });
     };
     let plan = planned.map_or(String::new(), |planned| format!("planned {}", mm(planned.distance_m)));
-    let beside = [plan, required.trim_start_matches(", ").to_owned()];
-    let beside = beside.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(", ");
-    let beside = if beside.is_empty() { beside } else { format!("; {beside}") };
-    let place = format!("{} at {:.2} s", seen.obstacle, seen.time_s);
+    let below = log.info.clearance_m.and_then(|required_m| below_required(seen.distance_m, required_m));
     // A carried object may touch its support when it is picked up and put down. Contact of the limb itself raises the alarm.
     let limb = log.contacts.iter().filter(|contact| !contact.carried);
     let pressed = limb.max_by(|a, b| a.force_n.total_cmp(&b.force_n));
+    // Without contact, the place of the least clearance names the required one already.
+    let is_named = below.is_some() && pressed.is_none() && !is_deep(log, seen);
+    let required = if is_named { "" } else { required.trim_start_matches(", ") };
+    let beside = [plan, required.to_owned()];
+    let beside = beside.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(", ");
+    let beside = if beside.is_empty() { beside } else { format!("; {beside}") };
+    let place = format!("{} at {:.2} s", seen.obstacle, seen.time_s);
     let (value, detail) = match (pressed, is_deep(log, seen)) {
         (Some(pressed), false) => ("contact".to_owned(), format!("{}{beside}", rows::contact(pressed))),
         (Some(pressed), true) => {
@@ -279,10 +373,19 @@ fn clearance_of(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
             ("contact".to_owned(), format!("{}; {deep}{beside}", rows::contact(pressed)))
         }
         (None, true) => ("contact".to_owned(), format!("{} deep in {place}{beside}", mm(-seen.distance_m))),
-        (None, false) => (mm(seen.distance_m), format!("from {place}{beside}")),
+        (None, false) => {
+            let below = below.as_ref().map_or(String::new(), |below| format!(", {below}"));
+            (mm(seen.distance_m), format!("from {place}{below}{beside}"))
+        }
     };
-    let alarming = pressed.is_some() || seen.distance_m <= log.info.clearance_m.unwrap_or(0.0);
+    let alarming = pressed.is_some() || seen.distance_m <= 0.0 || below.is_some();
     Some(Card { title, value, detail, alarming })
+}
+
+/// The required clearance in words where a distance is below it, with as many digits as tell the two apart.
+fn below_required(distance_m: f64, required_m: f64) -> Option<String> {
+    let digits = if number_mm(distance_m) == number_mm(required_m) { 3 } else { 1 };
+    (distance_m < required_m).then(|| format!("below the required {:.digits$} mm", 1e3 * required_m))
 }
 
 /// Whether the limb is in an obstacle. A surface that stops it gives a little; between two places with contact it may be deeper.
@@ -342,9 +445,12 @@ pub(super) fn phases(log: &RunLog) -> Vec<PhaseRow> {
         let part = |part: Option<f64>| part.filter(|part| part.is_finite()).map_or(String::new(), number_mm);
         let near = |near: &Option<NearestInfo>| {
             near.as_ref().map_or(String::new(), |near| {
-                format!("{} from {} at {:.2}\u{a0}s", mm(near.distance_m), near.obstacle, near.time_s)
+                unbroken(&format!("{} from {} at {:.2} s", mm(near.distance_m), near.obstacle, near.time_s))
             })
         };
+        let is_missed = outcome.goal.is_some_and(|goal| !goal.is_hit());
+        let is_below = log.info.clearance_m.zip(outcome.nearest.as_ref());
+        let is_below = is_below.is_some_and(|(required_m, nearest)| nearest.distance_m < required_m);
         PhaseRow {
             name: phase.name.clone(),
             start: format!("{:.2}", phase.start_s),
@@ -370,7 +476,8 @@ pub(super) fn phases(log: &RunLog) -> Vec<PhaseRow> {
             swing: part(outcome.swing_m),
             swing_planned: part(phase.swing.map(|swing| swing.residual_m)),
             planned: near(&phase.nearest),
-            achieved: near(&outcome.nearest),
+            achieved: near(&outcome.nearest) + if is_below { ", below required" } else { "" },
+            alarming: is_missed || is_below,
         }
     };
     outcomes(log).iter().map(row).collect()

@@ -34,6 +34,8 @@ struct Page<'a> {
     cards: Vec<Card>,
     key: Vec<Entry>,
     phases: Vec<PhaseRow>,
+    /// Whether phases share a name, so that their starts are needed beside it.
+    repeats: bool,
     tolerance_percent: String,
     shows: Shows,
     is_corrected: bool,
@@ -148,6 +150,7 @@ pub fn html(log: &RunLog) -> String {
         cards: verdict::cards(log, &summary),
         key: space::key(log),
         shows: Shows::of(&phase_rows),
+        repeats: repeats(&phase_rows),
         phases: phase_rows,
         tolerance_percent: format!("{:.0}", 1e2 * TOLERANCE),
         is_corrected: log.info.is_corrected(),
@@ -164,6 +167,11 @@ pub fn html(log: &RunLog) -> String {
         scene_text: &log.info.scene_text,
     };
     super::rendered(&page)
+}
+
+fn repeats(phases: &[PhaseRow]) -> bool {
+    let mut names = std::collections::BTreeSet::new();
+    !phases.iter().all(|phase| names.insert(&phase.name))
 }
 
 /// JSON with `<` escaped, so that no text ends the script element.
