@@ -135,6 +135,17 @@ fn targets_met_by_hand_are_told() {
 }
 
 #[test]
+fn both_pages_begin_with_the_same_sentences() {
+    let mut run = crate::synthetic_run::run();
+    run.info.clearance_m = Some(0.02);
+    let [still, moving] = [html(&run), softlimb_rig::report::html(&run)];
+    let sentences = |page: &str| between(between(page, "<div class=\"verdict", "</div>")[0], "<p>", "</p>").join("\n");
+    assert_eq!(sentences(&still), sentences(&moving));
+    assert!(sentences(&still).contains("below the required 20.0\u{a0}mm"), "{}", sentences(&still));
+    assert!(still.contains("<th>achieved clearance</th>") && still.contains(", below required</td>"));
+}
+
+#[test]
 fn states_of_the_device_are_told() {
     let mut run = crate::synthetic_run::run();
     run.samples[0].state = 1;
@@ -226,7 +237,7 @@ fn views_of_obstacles_are_a_pair_a_phase_to_one_scale() {
     }
     // The limb at its nearest is drawn where it is known when that is: in one phase, from two sides.
     assert_eq!(views.iter().filter(|svg| svg.contains("planned, nearest")).count(), 2);
-    assert!(page.contains("12.0 mm from post"), "the table says how near");
+    assert!(page.contains("12.0\u{a0}mm from post"), "the table says how near");
     assert!(views.iter().all(|svg| svg.contains(">post</text>")), "the obstacle has its name");
     let scales: Vec<f64> =
         views.iter().flat_map(|svg| [scale(svg, "tick-x", "x"), scale(svg, "tick-y", "y")]).collect();
