@@ -3,6 +3,8 @@
   const by_id = (id) => document.getElementById(id);
   // A tenth of a kPa; never -0.0.
   const kpa = (pressure_pa) => (Math.round(pressure_pa * 1e-2) / 10 + 0).toFixed(1);
+  // A whole mm; never -0.
+  const mm = (length_m) => (Math.round(length_m * 1e3) + 0).toFixed(0);
   const page = document.documentElement.dataset;
   const REPEAT_MS = 50;
   const SPAN_S = 20;
@@ -173,7 +175,8 @@
     const radius = (view && view.radius_m) || scene.radius_m;
     const tip = view && (view.tip_m || line[line.length - 1]);
     const carried = view && view.carried && tip ? [{ at: tip, ...view.carried }] : [];
-    const targets = view && view.setpoint_m ? [{ at: view.setpoint_m }] : [];
+    const next = view && view.next ? [{ at: view.next.at_m, name: view.next.name }] : [];
+    const targets = [...next, ...(view && view.setpoint_m ? [{ at: view.setpoint_m }] : [])];
     space.draw({ solids: scene.solids, carried, body: { line, radius }, trail: trail.map((one) => one.tip), targets });
     strips();
   }
@@ -234,12 +237,15 @@
           g.globalAlpha = 1;
         }
         const now = view && view.channels && view.channels[channel];
-        labels[place].textContent = now ? `${channel}: ${kpa(now[0])} of ${kpa(now[1])} ${valve(now[2])}` : `${channel}: –`;
+        const mark = faulted(channel) ? " (fault)" : "";
+        labels[place].textContent = (now ? `${channel}: ${kpa(now[0])} of ${kpa(now[1])} ${valve(now[2])}` : `${channel}: –`) + mark;
         labels[place].style.color = color;
       });
     }
   }
 
+  // Whether the device has named the channel in a fault; the text of each ends with its channel.
+  const faulted = (channel) => ((view && view.faults) || []).some((text) => new RegExp(`\\bchannel ${channel}\\b`).test(text));
   const shown = (element, text) => { element.textContent = text; element.hidden = !text; };
   function show() {
     const live = view && view.session === "live";
@@ -249,10 +255,12 @@
     by_id("state").textContent = view ? (view.device && (live || vented) ? view.device : view.session) : "no connection";
     by_id("clock").textContent = view && view.time_s !== null ? `${view.time_s.toFixed(1)} s` : "";
     by_id("supply").textContent = view && view.supply_pa !== null ? `supply ${kpa(view.supply_pa)} kPa` : "";
-    by_id("clearance").textContent = view && view.nearest ? `${(1e3 * view.nearest[0]).toFixed(0)} mm from ${view.nearest[1]}` : "";
+    by_id("clearance").textContent = view && view.nearest ? `${mm(view.nearest[0])} mm from ${view.nearest[1]}` : "";
     by_id("role").textContent = commands ? "this page commands" : free ? "no page commands" : "this page looks: another one commands";
     by_id("take").hidden = commands || !free;
     shown(by_id("message"), (view && view.message) || "");
+    shown(by_id("after"), (view && view.after) || "");
+    for (const [id, is_there] of Object.entries({ key_next: view && view.next, key_region: scene && scene.solids.some((solid) => solid.region), key_obstacle: scene && scene.solids.some((solid) => !solid.region) })) by_id(id).hidden = !is_there;
     const refusal = (view && view.refusal) || refused;
     shown(by_id("refusal"), refusal ? `Refused: ${refusal}` : "");
     const task = view && view.task;
@@ -264,11 +272,11 @@
     by_id("progress").textContent = task ? `Task: phase ${task.phase}, ${task.time_s.toFixed(1)} of ${task.duration_s.toFixed(1)} s${task.is_held ? ", held" : ""}` : scene && scene.task_refused ? `No task: ${scene.task_refused}` : "";
     by_id("target").textContent = live && view.target ? view.target : "";
     const tip = view && view.tip_m;
-    by_id("tip").textContent = tip ? `tip x ${(1e3 * tip[0]).toFixed(0)}  y ${(1e3 * tip[1]).toFixed(0)}  z ${(1e3 * tip[2]).toFixed(0)} mm` : "";
+    by_id("tip").textContent = tip ? `tip x ${mm(tip[0])}  y ${mm(tip[1])}  z ${mm(tip[2])} mm` : "";
     for (const { slider, value, move } of sliders) {
       slider.disabled = !can_move();
       const [drive, place] = [move.drive, move.axis];
-      if (drive === null) value.textContent = tip ? `${(1e3 * tip[place]).toFixed(0)} mm` : "";
+      if (drive === null) value.textContent = tip ? `${mm(tip[place])} mm` : "";
       else {
         const first = scene.drives[drive].channels[0];
         const now = view && view.channels && view.channels[first];

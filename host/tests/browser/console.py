@@ -228,6 +228,9 @@ def fault(first):
     first.until("session", "idle")
     page.keyboard.up("w")
     first.expect("fault" in first.text("message").lower(), f"message: {first.text('message')}")
+    after = first.text("after")
+    first.expect(after.startswith("The device ") and "Arm starts a new session" in after, f"after the stop: {after}")
+    first.see("(fault)", "strips")
     faults = first.text("faults").lower()
     first.expect("on purpose" in faults and "none" not in faults, f"faults after the stop: {faults}")
     with page.expect_popup() as opened:

@@ -90,7 +90,7 @@ impl Console {
             page.set_report(None);
             page.show(&View::between("connecting"));
             let ended = session(&device, (&scene, &limb), &options, &page, &cancel);
-            before = told_end(&page, ended);
+            before = told_end(&page, ended, &scene, device.is_simulated());
         }
         Ok(outcome)
     }
@@ -124,19 +124,21 @@ fn session(
     ended
 }
 
-/// Shows the report of a session, and returns what the pages see next: why it ended early, and its faults.
-fn told_end(page: &Page, ended: Result<RunFiles, RunError>) -> View {
-    let (files, message) = match ended {
-        Ok(files) => (Some(files), String::new()),
-        Err(RunError::Stopped { cause, files }) => (Some(*files), cause.to_string()),
+/// Shows the report of a session, and returns what the pages see next: why it ended early, what becomes of the pressures, and its faults.
+fn told_end(page: &Page, ended: Result<RunFiles, RunError>, scene: &Scene, simulated: bool) -> View {
+    let (files, message, after) = match ended {
+        Ok(files) => (Some(files), String::new(), String::new()),
+        Err(RunError::Stopped { cause, files }) => {
+            (Some(*files), cause.to_string(), view::after(&cause, scene, simulated))
+        }
         // The console stays open: the next attempt may find the device.
-        Err(error) => (None, error.to_string()),
+        Err(error) => (None, error.to_string(), String::new()),
     };
     if !message.is_empty() {
         note(&format!("error: {message}"));
     }
     let faults = files.iter().flat_map(|files| &files.run.faults).map(view::worded).collect();
-    let view = View::ended(message, files.is_some(), faults);
+    let view = View::ended((message, after), files.is_some(), faults);
     if let Some(RunFiles { log, report, run }) = files {
         warn(&run_warnings(&summary(&run)));
         note(&format!("log:    {}\nreport: {}", log.display(), report.display()));

@@ -3,12 +3,13 @@
 use serde::Serialize;
 
 use softlimb_limb::Limb;
+use softlimb_motion::TipGoal;
 use softlimb_motion::jog::{SPEEDS, STEPS, TaskProgress};
-use softlimb_rig::link::code_name;
+use softlimb_rig::link::{LinkError, VentOutcome, code_name};
 use softlimb_rig::record::{ChannelSample, FaultRecord, SolidInfo};
 use softlimb_rig::run;
 use softlimb_rig::run::{JogView, TimedFault};
-use softlimb_scene::Scene;
+use softlimb_scene::{LinkLoss, Scene};
 
 /// The scene: it does not change during a session.
 #[derive(Serialize)]
@@ -82,6 +83,8 @@ pub(super) fn told((scene, limb): (&Scene, &Limb), port: &str, simulated: bool, 
 pub(super) struct View {
     session: &'static str,
     message: String,
+    /// What becomes of the pressures after a stop, and how to go on.
+    after: String,
     report: bool,
     device: Option<String>,
     time_s: Option<f64>,
@@ -101,6 +104,14 @@ pub(super) struct View {
     moving: bool,
     task: Option<Task>,
     target: Option<String>,
+    next: Option<NextTarget>,
+}
+
+/// The next target of the scene in space.
+#[derive(Serialize)]
+struct NextTarget {
+    name: String,
+    at_m: [f64; 3],
 }
 
 #[derive(Serialize)]
@@ -125,8 +136,8 @@ impl View {
     }
 
     /// The session has ended; its faults stay until the next one.
-    pub(super) fn ended(message: String, report: bool, faults: Vec<String>) -> Self {
-        Self { message, report, faults, ..Self::between("idle") }
+    pub(super) fn ended((message, after): (String, String), report: bool, faults: Vec<String>) -> Self {
+        Self { message, after, report, faults, ..Self::between("idle") }
     }
 
     /// A device under orders.
@@ -161,6 +172,7 @@ impl View {
             moving: view.jog.is_moving(),
             task,
             target: target(view),
+            next: next(view),
             ..Self::default()
         }
     }
@@ -171,6 +183,40 @@ pub(super) fn worded(fault: &FaultRecord) -> String {
     let FaultRecord { text, channel, .. } = fault;
     let is_known = *channel == u8::MAX || text.contains("on channel");
     if is_known { text.clone() } else { format!("{text}, on channel {channel}") }
+}
+
+/// The pressures after a stop, and the next step of the operator.
+pub(super) fn after(cause: &LinkError, scene: &Scene, simulated: bool) -> String {
+    let LinkError::Run { vent, .. } = cause else {
+        return "Arm starts a new session.".into();
+    };
+    let controller = scene.controller();
+    let pressures = match vent {
+        VentOutcome::Venting => "The device vents all chambers.".to_owned(),
+        VentOutcome::ByDevice if controller.link_loss == LinkLoss::Hold => {
+            "The device keeps the pressures, as the scene states; an emergency stop vents all chambers at once."
+                .to_owned()
+        }
+        VentOutcome::ByDevice => format!(
+            "The device holds the pressures for {} s, then vents all chambers; an emergency stop vents them at once.",
+            f64::from(controller.hold_time_us) * 1e-6
+        ),
+        VentOutcome::Unconfirmed => "No answer confirms that the device vents.".to_owned(),
+    };
+    let next = match vent {
+        VentOutcome::ByDevice if !simulated => {
+            "Find the cause of the fault and clear it with `softlimb device clear`; then Arm starts a new session."
+        }
+        _ => "Arm starts a new session.",
+    };
+    format!("{pressures} Pressures are not shown after the end of a session. {next}")
+}
+
+/// The place of the next target; a region is drawn as such.
+fn next(view: &JogView<'_, '_>) -> Option<NextTarget> {
+    let target = view.jog.targets().next()?;
+    let TipGoal::Point(at_m) = target.goal else { return None };
+    Some(NextTarget { name: target.name.to_owned(), at_m: rounded(at_m) })
 }
 
 fn target(view: &JogView<'_, '_>) -> Option<String> {
@@ -202,10 +248,26 @@ mod tests {
         let fault =
             |channel, text: &str| FaultRecord { time_s: 1.0, channel, code: 1, value: 0, text: text.to_owned() };
         let faults = [fault(2, "over-pressure on channel 2"), fault(3, "leak, on purpose"), fault(0xFF, "supply low")];
-        let view = View::ended("the device stopped".into(), true, faults.iter().map(worded).collect());
+        let view =
+            View::ended(("the device stopped".into(), "Arm starts".into()), true, faults.iter().map(worded).collect());
         let shown = serde_json::to_value(view).expect("JSON");
         let expected = ["over-pressure on channel 2", "leak, on purpose, on channel 3", "supply low"];
         assert_eq!(shown["faults"], serde_json::json!(expected));
         assert_eq!((&shown["session"], &shown["message"]), (&"idle".into(), &"the device stopped".into()));
+        assert_eq!(shown["after"], "Arm starts");
+    }
+
+    #[test]
+    fn pressures_after_a_stop_are_those_of_the_policy() {
+        let text = include_str!("../../../../scenes/steering.toml");
+        let scene = |text: &str| softlimb_scene::parse(text, "steering").expect("a scene");
+        let stop = |vent| LinkError::Run { at_us: Some(1), vent, cause: Box::new(LinkError::Canceled) };
+        let ramped = after(&stop(VentOutcome::ByDevice), &scene(text), true);
+        assert!(ramped.starts_with("The device holds the pressures for "), "{ramped}");
+        assert!(ramped.ends_with("session. Arm starts a new session."), "{ramped}");
+        let cleared = after(&stop(VentOutcome::ByDevice), &scene(text), false);
+        assert!(cleared.contains("`softlimb device clear`"), "{cleared}");
+        let vented = after(&stop(VentOutcome::Venting), &scene(text), false);
+        assert!(vented.starts_with("The device vents all chambers. "), "{vented}");
     }
 }

@@ -328,10 +328,21 @@ const LimbView = (() => {
       }
     }
 
-    target({ at, along, reached }) {
+    // With a name it is a square, apart from the rings of setpoints.
+    target({ at, along, reached, name }) {
       if (!finite(at)) return;
       const [x, y] = this.project(at);
       const g = this.g;
+      if (name) {
+        Object.assign(g, { strokeStyle: rgb(this.colors.trail), lineWidth: 2 });
+        g.strokeRect(x - 7, y - 7, 14, 14);
+        Object.assign(g, { font: "12px system-ui, sans-serif", textAlign: "left", textBaseline: "middle", lineWidth: 3, lineJoin: "round", strokeStyle: rgb(this.colors.page, 0.8), fillStyle: rgb(this.colors.ink) });
+        const width = g.measureText(name).width;
+        const start = x + 11 + width < this.width ? x + 11 : x - 11 - width;
+        g.strokeText(name, start, y);
+        g.fillText(name, start, y);
+        return;
+      }
       Object.assign(g, { strokeStyle: rgb(this.colors.ink), lineWidth: reached ? 2 : 1.25 });
       g.beginPath();
       g.arc(x, y, 5, 0, 2 * Math.PI);
