@@ -67,7 +67,10 @@ impl fmt::Display for DeviceFault {
                 | FaultCode::FillWithoutEffect
                 | FaultCode::ExcessAir
                 | FaultCode::MissingAir,
-            ) => write!(f, " at {:.1} kPa", f64::from(value) * 1e-3),
+            ) => {
+                // Adding zero turns the -0.0 of a small negative value into 0.0.
+                write!(f, " at {:.1} kPa", (f64::from(value) * 1e-2).round() / 10.0 + 0.0)
+            }
             Some(FaultCode::LinkLost | FaultCode::TickOverrun) => write!(f, " for {:.1} ms", f64::from(value) * 1e-3),
             Some(FaultCode::SetpointsExhausted) => write!(f, " at knot {value}"),
             Some(FaultCode::EmergencyStop) | None => Ok(()),
@@ -113,6 +116,8 @@ mod tests {
     fn fault_says_what_where_and_how_much() {
         let fault = Fault { time_us: 5, channel: 3, code: FaultCode::OverPressure.into(), value: 151_240 };
         assert_eq!(DeviceFault::from(&fault).to_string(), "over-pressure on channel 3 at 151.2 kPa");
+        let at_rest = Fault { value: -30, ..fault.clone() };
+        assert_eq!(DeviceFault::from(&at_rest).to_string(), "over-pressure on channel 3 at 0.0 kPa");
         let system = Fault { channel: SYSTEM_CHANNEL, code: FaultCode::EmergencyStop.into(), ..fault };
         assert_eq!(DeviceFault::from(&system).to_string(), "emergency stop");
     }
