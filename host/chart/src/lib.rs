@@ -65,6 +65,8 @@ pub enum Stroke {
     Dashed,
     /// Predictions of a model.
     Dotted,
+    /// Lines beside those.
+    DashDotted,
     /// Marks without a line: filled ...
     Dots,
     /// ... open, wide enough to show around a filled one ...
@@ -80,6 +82,11 @@ pub enum Stroke {
         /// The shade.
         shade: u8,
     },
+    /// Squares as those, hatched.
+    Hatched {
+        /// Length of a side.
+        side: f64,
+    },
 }
 
 impl Stroke {
@@ -89,10 +96,12 @@ impl Stroke {
             Self::Solid | Self::Nested(..) => "solid",
             Self::Dashed => "dashed",
             Self::Dotted => "dotted",
+            Self::DashDotted => "dashdotted",
             Self::Dots => "dots",
             Self::Rings => "rings",
             Self::Crosses => "crosses",
             Self::Squares => "squares",
+            Self::Hatched { .. } => "hatched",
             Self::Cells { shade, .. } => {
                 ["shade1", "shade2", "shade3", "shade4", "shade5"][usize::from(shade.clamp(1, 5)) - 1]
             }
@@ -131,7 +140,7 @@ pub enum Ticks {
     Round,
     /// Powers of ten: the values are their exponents.
     Powers,
-    /// A name for each of the values 0, 1, 2 ...
+    /// A name for each of the values 0, 1, 2 ...; an axis without names has no line.
     Names(Vec<String>),
 }
 

@@ -26,9 +26,10 @@ pub fn sheet(rows: &[Vec<Chart>], room: f64, caption: &str) -> String {
         }
         top += charts.iter().map(Chart::height).fold(0.0, f64::max) + GAP;
     }
+    let hatch = if body.contains(" hatched\"") { HATCH } else { "" };
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {top:.0}\" width=\"{width:.0}\" \
-         height=\"{top:.0}\">\n<style>{STYLE}</style>\n<rect class=\"page\" width=\"100%\" height=\"100%\"/>\n{body}</svg>\n"
+         height=\"{top:.0}\">\n<style>{STYLE}</style>\n{hatch}<rect class=\"page\" width=\"100%\" height=\"100%\"/>\n{body}</svg>\n"
     )
 }
 
@@ -43,6 +44,10 @@ fn wrapped(text: &str, width: f64) -> Vec<String> {
     }
     lines
 }
+
+/// The pattern of hatched cells.
+const HATCH: &str = "<defs><pattern id=\"hatch\" width=\"5\" height=\"5\" patternUnits=\"userSpaceOnUse\" \
+                     patternTransform=\"rotate(45)\"><path class=\"faint\" d=\"M2.5 0V5\"/></pattern></defs>\n";
 
 const STYLE: &str = "
 :root { --page: #ffffff; --ink: #1b1f24; --soft: #57606a; --grid: #d9dee5; --c1: #0072b2; --c2: #cd4318; --c3: #164f43; --c4: #78176d;
@@ -62,6 +67,7 @@ path { fill: none; }
 .line { stroke-width: 1.4; stroke-linejoin: round; stroke-linecap: round; }
 .dashed { stroke-dasharray: 5 4; }
 .dotted { stroke-dasharray: 1 4; }
+.dashdotted { stroke-dasharray: 9 4 1 4; }
 .ink { stroke: var(--ink); fill: var(--ink); }
 .faint { stroke: var(--soft); fill: var(--soft); }
 .c1 { stroke: var(--c1); fill: var(--c1); }
@@ -71,10 +77,11 @@ path { fill: none; }
 .c5 { stroke: var(--c5); fill: var(--c5); }
 path.line, .rings { fill: none; }
 .cells { stroke: none; }
-.shade1 { fill-opacity: 0.2; }
-.shade2 { fill-opacity: 0.36; }
-.shade3 { fill-opacity: 0.54; }
-.shade4 { fill-opacity: 0.74; }
+.hatched { fill: url(#hatch); }
+.shade1 { fill-opacity: 0.3; }
+.shade2 { fill-opacity: 0.46; }
+.shade3 { fill-opacity: 0.63; }
+.shade4 { fill-opacity: 0.81; }
 .shade5 { fill-opacity: 1; }
 ";
 

@@ -229,10 +229,15 @@ impl Frame {
             );
         }
         let (middle, height) = ((left + right) / 2.0, (top + bottom) / 2.0);
+        let [has_x, has_y] = [x, y].map(|axis| axis.ticks != Ticks::Names(Vec::new()));
+        if has_x || has_y {
+            let down = if has_y { format!("V{bottom:.1}") } else { format!("M{left:.1} {bottom:.1}") };
+            let along = if has_x { format!("H{right:.1}") } else { String::new() };
+            let _ = writeln!(svg, "<path class=\"axis\" d=\"M{left:.1} {top:.1}{down}{along}\"/>");
+        }
         let _ = writeln!(
             svg,
-            "<path class=\"axis\" d=\"M{left:.1} {top:.1}V{bottom:.1}H{right:.1}\"/>\n\
-             <text class=\"label\" x=\"{middle:.1}\" y=\"{:.1}\">{}</text>\n\
+            "<text class=\"label\" x=\"{middle:.1}\" y=\"{:.1}\">{}</text>\n\
              <text class=\"label\" transform=\"translate(13 {height:.1}) rotate(-90)\">{}</text>",
             bottom + 32.0,
             escape(&x.label),
@@ -269,7 +274,7 @@ impl Frame {
     }
 
     fn draw_series(&self, svg: &mut String, series: &Series) {
-        if let Stroke::Cells { side, .. } = series.stroke {
+        if let Stroke::Cells { side, .. } | Stroke::Hatched { side } = series.stroke {
             return self.draw_cells(svg, series, side);
         }
         if is_mark(series.stroke) {
@@ -311,6 +316,10 @@ fn is_mark(stroke: Stroke) -> bool {
     matches!(stroke, Stroke::Dots | Stroke::Rings | Stroke::Crosses | Stroke::Squares)
 }
 
+fn is_cells(stroke: Stroke) -> bool {
+    matches!(stroke, Stroke::Cells { .. } | Stroke::Hatched { .. })
+}
+
 /// Half the size of a mark with its stroke, px.
 fn half(stroke: Stroke) -> f64 {
     match stroke {
@@ -339,7 +348,7 @@ fn draw_mark(svg: &mut String, series: &Series, [x, y]: [f64; 2]) {
 }
 
 fn classes(series: &Series) -> String {
-    if let Stroke::Cells { .. } = series.stroke {
+    if is_cells(series.stroke) {
         return format!("cells {} {}", series.color.class(), series.stroke.class());
     }
     format!("line {} {}", series.color.class(), series.stroke.class())
@@ -370,7 +379,7 @@ fn draw_legend(svg: &mut String, rows: &[Vec<&Series>], left: f64) {
         for entry in row {
             if is_mark(entry.stroke) {
                 draw_mark(svg, entry, [x + 11.0, y - 3.5]);
-            } else if let Stroke::Cells { .. } = entry.stroke {
+            } else if is_cells(entry.stroke) {
                 let _ = writeln!(svg, "<path class=\"{}\" d=\"M{x:.1} {:.1}h22v-11h-22z\"/>", classes(entry), y + 1.0);
             } else {
                 let (classes, width) = (classes(entry), width(entry));
