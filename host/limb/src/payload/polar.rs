@@ -1,4 +1,4 @@
-//! The largest load against its direction: what a limb holds in a pose, all around.
+//! The largest load against its direction, all around the tip of a limb in a pose. A load is a force on the tip: down, it is a hanging weight.
 
 use std::f64::consts::TAU;
 
@@ -39,7 +39,7 @@ const PARTS: u32 = 16;
 pub struct Polar {
     /// Name of the pose.
     pub name: String,
-    /// For directions in the planes `x z` and `y z` of the scene: the load as a vector of that plane, N. It is not finite where the walls alone
+    /// For directions in the planes `x z` and `y z` of the scene: the force on the tip as a vector of that plane, N. It is not finite where the walls alone
     /// carry any load, and zero where no pressures hold the limb.
     pub loads_n: [Vec<[f64; 2]>; 2],
 }
@@ -80,14 +80,16 @@ pub fn polar_picture(title: &str, poses: &[Polar]) -> String {
     let charts: Vec<Chart> = poses.iter().map(|pose| chart(pose, &radius)).collect();
     let rows: Vec<Vec<Chart>> = charts.chunks(COLUMNS).map(<[Chart]>::to_vec).collect();
     let middle = newtons(10_f64.powi(radius.exponents[0]));
-    let mut caption =
-        format!("{title}: largest load that pressures hold, by its direction. Logarithmic; middle: {middle} or less.");
+    let mut caption = format!(
+        "{title}: the largest force on the tip that the pressures can hold, in every direction. Straight down is a hanging weight. \
+         The distance from the centre is the force, on a logarithmic scale; the centre is {middle} or less."
+    );
     let planes = || poses.iter().flat_map(|pose| &pose.loads_n);
     if planes().flatten().any(|[x, y]| !x.hypot(*y).is_finite()) {
-        caption += " A gap: the walls alone hold any load.";
+        caption += " A gap: the walls alone hold any force.";
     }
     if planes().any(|loads_n| alone(loads_n).contains(&true)) {
-        caption += " A dot: this direction alone.";
+        caption += " A dot: the pressures hold a force in this direction alone.";
     }
     sheet(&rows, ROOM, &caption)
 }
@@ -166,13 +168,13 @@ fn room_px(point: [f64; 2], curves: &[Vec<[f64; 2]>]) -> f64 {
     steps.filter(|at| at.iter().all(|value| value.is_finite())).map(beside).fold(f64::INFINITY, f64::min)
 }
 
-/// Name of a curve. A plane without any bounded load that is held has no curve, and its name says why.
-fn named(label: &str, loads_n: &[[f64; 2]]) -> String {
+/// Words in place of the curve of a plane without any bounded load that is held.
+fn without_curve(plane: &str, loads_n: &[[f64; 2]]) -> Option<String> {
     let are = |holds: fn(f64) -> bool| loads_n.iter().all(|[x, y]| holds(x.hypot(*y)));
     match (are(|load_n| load_n == 0.0), are(|load_n| !load_n.is_finite())) {
-        (true, _) => format!("{label}: no load"),
-        (_, true) => format!("{label}: any load"),
-        _ => label.to_owned(),
+        (true, _) => Some(format!("{plane}: no force in any direction")),
+        (_, true) => Some(format!("{plane}: any force, by the walls alone")),
+        _ => None,
     }
 }
 
@@ -196,25 +198,30 @@ fn chart(pose: &Polar, radius: &Radius) -> Chart {
         series.push(grid((0..=CHORDS).map(|chord| at(share, TAU * chord as f64 / CHORDS as f64)).collect()));
     }
     let names = circle_names(radius, &curves).into_iter();
-    let notes = names.map(|(load_n, at)| Note { at, text: newtons(load_n) }).collect();
+    let mut notes: Vec<Note> = names.map(|(load_n, at)| Note { at, text: newtons(load_n) }).collect();
     let spokes = (0..SPOKES).flat_map(|spoke| {
         let angle = TAU * spoke as f64 / SPOKES as f64;
         [[0.0; 2], at(1.0, angle), [f64::NAN; 2]]
     });
     series.push(grid(spokes.collect()));
-    let looks = [("in x z", Color::First, Stroke::Solid), ("in y z", Color::Second, Stroke::Dashed)];
-    for ((loads_n, points), (label, color, stroke)) in pose.loads_n.iter().zip(curves).zip(looks) {
+    let looks =
+        [("plane x z", Color::First, Stroke::Solid, REACH), ("plane y z", Color::Second, Stroke::Dashed, -REACH)];
+    for ((loads_n, points), (plane, color, stroke, edge)) in pose.loads_n.iter().zip(curves).zip(looks) {
+        if let Some(text) = without_curve(plane, loads_n) {
+            notes.push(Note { at: [-REACH, edge], text });
+            continue;
+        }
         let dots =
             points.iter().zip(alone(loads_n)).filter_map(|(&point, is_alone)| is_alone.then_some(point)).collect();
-        series.push(Series { label: named(label, loads_n), color, stroke, points });
+        series.push(Series { label: plane.into(), color, stroke, points });
         series.push(Series { label: String::new(), color, stroke: Stroke::Dots, points: dots });
     }
     let axis = |label: &str| Axis { label: label.into(), range: [-REACH, REACH], ticks: Ticks::Names(Vec::new()) };
     Chart {
         title: pose.name.clone(),
         area: AREA,
-        x: axis("direction along x or y"),
-        y: axis("direction along z, up"),
+        x: axis("+x (plane x z) or +y (plane y z) →"),
+        y: axis("+z, up →"),
         series,
         bands: Vec::new(),
         marks: Vec::new(),
@@ -235,10 +242,12 @@ mod tests {
 
     #[test]
     fn plane_without_a_curve_says_why() {
-        for (loads_n, name) in
-            [([0.0; 4], "in y z: no load"), ([f64::NAN; 4], "in y z: any load"), ([0.0, 3.0, f64::NAN, 0.0], "in y z")]
-        {
-            assert_eq!(named("in y z", &around(loads_n)), name);
+        for (loads_n, words) in [
+            ([0.0; 4], Some("plane y z: no force in any direction")),
+            ([f64::NAN; 4], Some("plane y z: any force, by the walls alone")),
+            ([0.0, 3.0, f64::NAN, 0.0], None),
+        ] {
+            assert_eq!(without_curve("plane y z", &around(loads_n)).as_deref(), words);
         }
     }
 
