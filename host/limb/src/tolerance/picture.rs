@@ -1,8 +1,9 @@
-//! Where the tips are beside the nominal limb, and how many limbs stay within a distance, for each pose.
+//! The tips around that of the nominal limb, and the share of limbs within a displacement, for each pose.
 
 use super::sample::Sample;
 use super::study::Study;
-use softlimb_chart::{Axis, Chart, Color, Series, Stroke, Ticks, sheet, span};
+use crate::fabricate::Tolerances;
+use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, Ticks, sheet, span};
 
 /// Area of one chart, px, and its width with its frame.
 const AREA: [f64; 2] = [320.0, 230.0];
@@ -21,18 +22,33 @@ const POINTS: usize = 200;
 pub fn picture(title: &str, study: &Study<'_>, samples: &[Sample]) -> String {
     let views = [("from the side", [0, 2], ["x, m", "z, m"]), ("from above", [0, 1], ["x, m", "y, m"])];
     let views = views.map(|(name, axes, labels)| view(name, study, samples, (axes, labels)));
-    let charts: Vec<Chart> = (0..study.poses().len()).map(|pose| chart(study, samples, pose)).collect();
+    let mut charts: Vec<Chart> = (0..study.poses().len()).map(|pose| chart(study, samples, pose)).collect();
+    // One range for all: their displacements are compared.
+    let most = charts.iter().map(|chart| chart.x.range[1]).fold(0.0, f64::max);
+    charts.iter_mut().for_each(|chart| chart.x.range[1] = most);
     let mut rows = vec![views.to_vec()];
     rows.extend(charts.chunks(COLUMNS).map(<[Chart]>::to_vec));
-    let caption =
-        format!("{title}. Above: tips within tolerance, ellipses of two standard deviations. Below: share of limbs.");
+    let Tolerances { wall_m, angle_rad, modulus } = study.settings.tolerances;
+    let caption = format!(
+        "{title}: tips of {} limbs with walls within {} mm, fiber angles within {} deg and moduli within {} % of the nominal ones. \
+         Above: a dot for a limb, at most {DOTS} for each pose, and ellipses of two standard deviations. Below: displacements of all.",
+        samples.len(),
+        rounded(1e3 * wall_m),
+        rounded(angle_rad.to_degrees()),
+        rounded(100.0 * modulus),
+    );
     sheet(&rows, ROOM, &caption)
+}
+
+/// A value to four decimals, without zeros at the end.
+fn rounded(value: f64) -> f64 {
+    (1e4 * value).round() / 1e4
 }
 
 /// The nominal limb in each pose, seen along a coordinate, with the tips of the samples.
 fn view(name: &str, study: &Study<'_>, samples: &[Sample], (axes, labels): ([usize; 2], [&str; 2])) -> Chart {
     // Tips lie below all limbs, and limbs below the ellipses.
-    let (mut dots, mut limbs, mut ellipses) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut dots, mut limbs, mut ellipses, mut notes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (index, pose) in study.poses().iter().enumerate() {
         let color = Color::nth(index);
         let states: Vec<_> = study
@@ -53,10 +69,13 @@ fn view(name: &str, study: &Study<'_>, samples: &[Sample], (axes, labels): ([usi
         let ellipse = ellipse(&tips);
         let shown = tips.iter().step_by(tips.len().div_ceil(DOTS).max(1)).copied().collect();
         let one = |label: &str, color, stroke, points| Series { label: label.into(), color, stroke, points };
-        // In the color of the ellipse, the tips would hide it.
-        dots.push(one("", Color::Faint, Stroke::Dots, shown));
+        // The name stands at the upper end.
+        let end = ellipse.iter().copied().max_by(|a, b| a[1].total_cmp(&b[1]));
+        notes.extend(end.map(|at| Note { at, text: pose.name.clone() }));
+        dots.push(one("", color, Stroke::Dots, shown));
         limbs.push(one(&pose.name, color, Stroke::Solid, line));
-        ellipses.push(one("", color, Stroke::Solid, ellipse));
+        // In the color of the tips, the ellipse would not show.
+        ellipses.push(one("", Color::Ink, Stroke::Solid, ellipse));
     }
     let series: Vec<Series> = [dots, limbs, ellipses].concat();
     let points = || series.iter().flat_map(|one| &one.points);
@@ -76,7 +95,7 @@ fn view(name: &str, study: &Study<'_>, samples: &[Sample], (axes, labels): ([usi
         series,
         bands: Vec::new(),
         marks: Vec::new(),
-        notes: Vec::new(),
+        notes,
     }
 }
 
@@ -119,7 +138,11 @@ fn chart(study: &Study<'_>, samples: &[Sample], pose: usize) -> Chart {
         title: study.poses()[pose].name.clone(),
         area: AREA,
         x: Axis { label: "displacement of the tip, mm".into(), range: [0.0, largest.max(1e-6)], ticks: Ticks::Round },
-        y: Axis { label: "limbs, %".into(), range: [0.0, 100.0], ticks: Ticks::Round },
+        y: Axis {
+            label: "share of limbs with a smaller displacement, %".into(),
+            range: [0.0, 100.0],
+            ticks: Ticks::Round,
+        },
         series: series.into(),
         bands: Vec::new(),
         marks: Vec::new(),
