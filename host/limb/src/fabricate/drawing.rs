@@ -17,6 +17,8 @@ const ACROSS: f64 = 150.0;
 /// Left edge and room above, px.
 const LEFT: f64 = 60.0;
 const TOP: f64 = 34.0;
+/// Height of the dimensions of the mold in words, px.
+const LINES: f64 = 128.0;
 /// Chords of the drawn thread, as a share of its radius.
 const CHORD: f64 = 0.02;
 /// Half the drawn width of a strain-limiting layer across, rad: the model takes it as a line.
@@ -46,7 +48,8 @@ pub(super) fn drawing(piece: &Piece) -> String {
     for (winding, hand) in
         piece.windings().flat_map(|(_, winding)| winding.hands.iter().map(move |hand| (winding, hand)))
     {
-        let _ = writeln!(svg, "<path class=\"thread\" d=\"{}\"/>", front(winding, *hand, axis, scale));
+        let class = if *hand == Hand::Left { "thread left" } else { "thread" };
+        let _ = writeln!(svg, "<path class=\"{class}\" d=\"{}\"/>", front(winding, *hand, axis, scale));
     }
     let chamber = inner_m * scale;
     let _ = writeln!(
@@ -142,7 +145,7 @@ pub(super) fn mold_drawing(piece: &Piece) -> String {
     let cap_top = axis + half + 106.0;
     let cap_scale = (0.5 * ACROSS / outer_m).min(0.5 * ACROSS / (CAP_M + SPIGOT_M));
     let cap_axis = cap_top + outer_m * cap_scale;
-    let height = cap_axis + outer_m * cap_scale + 16.0;
+    let height = (cap_axis + outer_m * cap_scale).max(cap_top + LINES) + 16.0;
     let mut svg = format!(
         "<svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"Drawing of the mold of {}: a section along its axis\">\n\
          <text class=\"start\" x=\"{LEFT}\" y=\"16\">mold of the first cast, cut along its axis; the base holds core and shells in line</text>\n",
@@ -185,14 +188,20 @@ pub(super) fn mold_drawing(piece: &Piece) -> String {
             line - 5.0
         );
     }
-    let _ =
-        writeln!(svg, "<text class=\"start\" x=\"{LEFT}\" y=\"{:.1}\">cap, cut along its axis</text>", cap_top - 12.0);
+    let _ = writeln!(
+        svg,
+        "<text class=\"start\" x=\"{LEFT}\" y=\"{:.1}\">cap, cut along its axis; that of the near end has a bore and a nipple for the hose</text>",
+        cap_top - 12.0
+    );
     cap_section(&mut svg, piece, cap_axis, cap_scale);
     let lines = [
         format!("core: diameter {} mm", mm(2.0 * inner_m)),
         format!("shells: bore {} mm, outer diameter {} mm", mm(2.0 * bore_m), mm(2.0 * shell_m)),
-        format!("base: outer diameter {} mm, recess {} mm deep", mm(2.0 * base_m), mm(RECESS_M)),
-        format!("cap: disk {} mm by {} mm, spigot {} mm long", mm(2.0 * outer_m), mm(CAP_M), mm(SPIGOT_M)),
+        format!("base: outer diameter {} mm, length {} mm", mm(2.0 * base_m), mm(HOLD_M + RECESS_M)),
+        format!("base: bore {} mm for the core", mm(2.0 * (inner_m + FIT_M))),
+        format!("base: recess {} mm by {} mm deep for the shells", mm(2.0 * (shell_m + FIT_M)), mm(RECESS_M)),
+        format!("cap: disk {} mm by {} mm", mm(2.0 * outer_m), mm(CAP_M)),
+        format!("cap: spigot {} mm by {} mm long", mm(2.0 * inner_m), mm(SPIGOT_M)),
     ];
     for (index, text) in lines.iter().enumerate() {
         let (x, y) = (LEFT + ACROSS + 30.0, cap_top + 12.0 + 18.0 * index as f64);

@@ -46,11 +46,11 @@ fn dimensions(piece: &Piece, settings: &Settings) -> Table {
     let p = &piece.parameters;
     let tolerances = &settings.tolerances;
     // Both radii together make the wall.
-    let radius = format!("+- {}", mm(0.5 * tolerances.wall_m));
+    let radius = format!("± {}", mm(0.5 * tolerances.wall_m));
     let mut rows = vec![
         row("inner radius (core)", mm(p.inner_radius_m), radius.clone()),
         row("outer radius", mm(p.outer_radius_m), radius),
-        row("wall", mm(piece.wall_m()), format!("+- {}", mm(tolerances.wall_m))),
+        row("wall", mm(piece.wall_m()), format!("± {}", mm(tolerances.wall_m))),
         row(
             if piece.segment.is_some() { "length of the segment" } else { "length between the caps" },
             mm(p.length_m),
@@ -124,7 +124,7 @@ fn winding_rows(winding: &Winding, thread: Thread, settings: &Settings) -> Vec<R
         row(
             "angle from the hoop",
             format!("{:.3} deg", winding.angle_rad.to_degrees()),
-            format!("+- {:.2} deg", tolerance.to_degrees()),
+            format!("± {:.2} deg", tolerance.to_degrees()),
         ),
         row("hands", hands.join(", "), "right: as a common screw"),
         row("threads side by side, each hand", winding.starts.to_string(), starts_note(winding)),
@@ -133,7 +133,7 @@ fn winding_rows(winding: &Winding, thread: Thread, settings: &Settings) -> Vec<R
         rows.push(row(
             "pitch of one thread",
             mm(winding.lead_m()),
-            format!("2 pi R tan a; {}", pitch_range(winding, tolerance)),
+            format!("2 π R tan a; {}", pitch_range(winding, tolerance)),
         ));
         rows.push(row("turns of one thread", format!("{:.3}", winding.turns()), ""));
         let note = if winding.hands.len() > 1 { "both hands" } else { "" };
@@ -174,11 +174,15 @@ fn worth(winding: &Winding) -> Option<Table> {
     let per_mm = |n_per_m: f64| format!("{:.2} N/mm", n_per_m * 1e-3);
     let mut rows = vec![
         row(
-            "sheet that rings of it are worth",
+            "stiffness of the thread in the wall",
             per_mm(worth.effective_n_per_m),
-            "one period of the wall by finite elements",
+            "the elastomer gives way between turns: by finite elements of one turn",
         ),
-        row("without distance between turns", per_mm(worth.ideal_n_per_m), "E A/(4 distance)"),
+        row(
+            "stiffness of the thread alone",
+            per_mm(worth.ideal_n_per_m),
+            "spread evenly over the wall: E A/(4 distance)",
+        ),
         row(
             "strain that the distance takes away",
             format!("{:.1} %", 100.0 * worth.strain_lost),
@@ -191,7 +195,7 @@ fn worth(winding: &Winding) -> Option<Table> {
     if let Some(modulus) = worth.modulus_pa {
         rows.push(row("modulus to write into the scene", format!("{:.4} MPa", modulus * 1e-6), "with its thickness"));
     }
-    Some(table("What the thread is worth", rows))
+    Some(table("Stiffness of the thread", rows))
 }
 
 fn layer(piece: &Piece) -> Table {
@@ -228,17 +232,17 @@ fn elastomer(piece: &Piece, settings: &Settings) -> Table {
     };
     let (all, cover) = (piece.elastomer_m3(), piece.cover_m3());
     let ml = |m3: f64| format!("{:.3} mL", m3 * 1e6);
-    let mut rows = vec![row(name, modulus, format!("+- {:.1} %", 100.0 * settings.tolerances.modulus))];
+    let mut rows = vec![row(name, modulus, format!("± {:.1} %", 100.0 * settings.tolerances.modulus))];
     if piece.cover_m() > 1e-9 {
         rows.push(row("first cast", ml(all - cover), "one actuator; grooves not taken off"));
         rows.push(row("second cast", ml(cover), "one actuator"));
     }
     let grams = |m3: f64| format!("{:.3} g", 1e3 * piece.density_kg_per_m3 * m3);
     let count = piece.copies.len();
-    rows.push(row("elastomer, one actuator", ml(all), "pi (R_o^2 - R_i^2) L; caps and waste not counted"));
+    rows.push(row("elastomer, one actuator", ml(all), "π (R_o² - R_i²) L; caps and waste not counted"));
     rows.push(row("mass, one actuator", grams(all), format!("{} kg/m3", piece.density_kg_per_m3)));
     rows.push(row("mass, all of this page", grams(all * count as f64), format!("{count} actuators")));
-    rows.push(row("chamber at rest", ml(piece.chamber_m3()), "pi R_i^2 L"));
+    rows.push(row("chamber at rest", ml(piece.chamber_m3()), "π R_i² L"));
     rows.push(row("pressure, at most", format!("{:.1} kPa", piece.pressure_max_pa * 1e-3), "gauge"));
     table("Elastomer and air", rows)
 }
