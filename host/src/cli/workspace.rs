@@ -114,7 +114,9 @@ impl Workspace {
             write_if(self.csv.as_ref(), || csv(&result.tips_m))?;
             write_if(self.svg.as_ref(), || {
                 let grids = (&result.grids[0], Some(&result.free_grid));
-                workspace::picture(scene.name(), grids, &rest_m(&limb), &[])
+                let (name, mass_kg) = (scene.name(), scene.mass_kg());
+                let title = format!("{name} under its own weight, {mass_kg:.2} kg, and {payload_kg:.2} kg at the tip");
+                workspace::picture(&title, grids, &rest_m(&limb), &[])
             })?;
             show_of(self.json, &limb, &result.printed(), || workspace_loaded::table(&result))?;
             return Ok(Outcome::Done);

@@ -108,11 +108,14 @@ fn picture_shows_three_views_and_the_limb_at_its_extremes() {
         &limb.backbone(&rest),
         &[ExtremeLine { name: "highest", axis: 2, line_m: highest }],
     );
-    let views = ["arm. ", "from the side", "from the front", "from above"];
+    let views = ["arm: ", "from the side", "from the front", "from above"];
     assert!(views.iter().all(|view| svg.contains(view)) && !svg.contains("NaN"));
     let wide = Grid::new(&sample(&space, Points::Faces, 4000, 1, 1), 0.05);
     let over = picture("arm", (&grid, Some(&wide)), &limb.backbone(&rest), &[]);
-    assert_eq!((over.matches("faint shade2").count(), svg.matches("faint shade2").count()), (3, 0), "without load");
+    // One in each view and one in the key.
+    let hatched = |text: &str| text.matches("faint hatched\"").count();
+    assert_eq!((hatched(&over), hatched(&svg)), (4, 0), "without load");
+    assert!(over.contains(">reachable without load only<") && svg.contains(">limb at an extreme<"));
     assert!(svg.matches(">highest<").count() == 2 && (1..=5).all(|shade| svg.contains(&format!("shade{shade}\""))));
 }
 
