@@ -16,6 +16,13 @@ const SHARES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 const AROUND: f64 = 0.2;
 /// Points of a curve.
 const POINTS: usize = 21;
+/// Area of the picture and its width with its frame, px.
+const AREA: [f64; 2] = [700.0, 340.0];
+const ROOM: f64 = 800.0;
+/// Strokes of the designs.
+const STROKES: [Stroke; 4] = [Stroke::Solid, Stroke::Dashed, Stroke::DashDotted, Stroke::Dotted];
+const CAPTION: &str = "Four designs of one bundle by eq. (18). Wanted: the push that the design problem asks for. A dot: the pressure at \
+                       which the design reaches it.";
 
 /// One design and what it pushes with.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,20 +122,31 @@ fn bundle(parameters: &ActuatorParameters<f64>, count: usize) -> Result<Bundle, 
 
 /// The curves as a document that stands by itself.
 pub fn picture(name: &str, designs: &[BlockedDesign]) -> String {
-    let (mut series, mut notes) = (Vec::new(), Vec::new());
-    for (index, design) in designs.iter().enumerate() {
-        let color = Color::nth(index);
-        let points: Vec<[f64; 2]> = design.curve.iter().map(|[pa, n]| [pa * 1e-3, *n]).collect();
-        let ends = [points[0][0], points[points.len() - 1][0]].map(|kpa| [kpa, design.wanted_n]);
-        notes.push(Note { at: ends[0], text: format!("{:.0} N wanted", design.wanted_n) });
-        series.push(Series { label: String::new(), color, stroke: Stroke::Solid, points });
-        series.push(Series { label: String::new(), color, stroke: Stroke::Dashed, points: ends.to_vec() });
+    let curves: Vec<Vec<[f64; 2]>> =
+        designs.iter().map(|design| design.curve.iter().map(|[pa, n]| [pa * 1e-3, *n]).collect()).collect();
+    let (mut series, mut notes, mut ends) = (Vec::new(), Vec::new(), Vec::new());
+    let one = |color, stroke, points| Series { label: String::new(), color, stroke, points };
+    for (index, (design, points)) in designs.iter().zip(&curves).enumerate() {
+        let (color, stroke) = (Color::nth(index), STROKES[index % STROKES.len()]);
+        let letter = char::from(b'A' + index as u8);
+        let wanted = points.last().map(|end| vec![[points[0][0], design.wanted_n], [end[0], design.wanted_n]]);
+        let reached: Vec<[f64; 2]> = crossing(points, design.wanted_n).into_iter().collect();
+        let note = |at: [f64; 2], text: String| Note { at, text };
+        notes.extend(reached.iter().map(|at| note(*at, letter.to_string())));
+        ends.extend(points.last().map(|end| note(*end, letter.to_string())));
+        notes.push(note([points[0][0], design.wanted_n], format!("{:.0} N wanted of {letter}", design.wanted_n)));
+        series.push(one(Color::Faint, Stroke::Solid, wanted.unwrap_or_default()));
+        series.push(Series { label: format!("design {letter}"), ..one(color, stroke, points.clone()) });
+        series.push(one(color, Stroke::Dots, reached));
     }
+    // The highest first: it has the place above.
+    ends.sort_by(|a, b| b.at[1].total_cmp(&a.at[1]));
+    notes.extend(ends);
     let along = |axis: usize| span(series.iter().flat_map(|one| &one.points).map(|point| point[axis]));
     let (x, y) = (along(0), along(1));
     let chart = Chart {
         title: format!("{name}: push at rest length"),
-        area: [520.0, 280.0],
+        area: AREA,
         x: Axis { label: "gauge pressure, kPa".into(), range: x, ticks: Ticks::Round },
         y: Axis { label: "push of the bundle, N".into(), range: y, ticks: Ticks::Round },
         series,
@@ -136,5 +154,14 @@ pub fn picture(name: &str, designs: &[BlockedDesign]) -> String {
         marks: Vec::new(),
         notes,
     };
-    sheet(&[vec![chart]], 606.0, "Designs by eq. (18); dashed: the wanted push.")
+    sheet(&[vec![chart]], ROOM, CAPTION)
+}
+
+/// The point at which a rising curve reaches a value.
+fn crossing(points: &[[f64; 2]], value: f64) -> Option<[f64; 2]> {
+    points.windows(2).find_map(|ends| {
+        let [[from, low], [to, high]] = [ends[0], ends[1]];
+        let share = (value - low) / (high - low);
+        (0.0..=1.0).contains(&share).then_some([from + share * (to - from), value])
+    })
 }
