@@ -12,7 +12,7 @@ const ROOM: f64 = 400.0;
 /// Area of the chart of lanes, px: beside longer names, and as high as the chart on its left with its key.
 const LANES_AREA: [f64; 2] = [312.0, 256.0];
 const CAPTION: &str =
-    "Three chambers under one program. Below: number of 60 other plants whose error is at most so large.";
+    "Three chambers under one program. Below: the errors on 60 plants that differ from the nominal one.";
 
 /// Distance of two lanes of the errors over time, kPa.
 const LANE_KPA: f64 = 5.0;
@@ -70,7 +70,7 @@ fn errors_over_time(trial: &Trial, title: &str, range: [f64; 2]) -> Chart {
         let points = errors.map(|[time_s, error_kpa]| [time_s, in_lane(channel, error_kpa)]).collect();
         Series { label: String::new(), color: Color::nth(channel), stroke: Stroke::Solid, points }
     });
-    let label = format!("error, {LANE_KPA} kPa from line to line");
+    let label = format!("error, kPa: 0 on each line, {LANE_KPA} kPa apart");
     let mut chart = chart(title, ["time, s", &label], series.collect());
     chart.area = LANES_AREA;
     chart.y.ticks = Ticks::Names((0..count).rev().map(name).collect());
@@ -91,7 +91,7 @@ fn sorted(trials: &[&Trial], title: &str, label: &str, value: fn(&super::Figures
         let points = (1..).zip(values).map(|(count, value)| [value, f64::from(count)]).collect();
         Series { label: name(channel), color: Color::nth(channel), stroke: Stroke::Solid, points }
     });
-    chart(title, [label, "plants"], series.collect())
+    chart(title, [label, "plants with a smaller error"], series.collect())
 }
 
 fn chart(title: &str, labels: [&str; 2], series: Vec<Series>) -> Chart {

@@ -12,6 +12,9 @@ use crate::published::Published;
 const AREA: [f64; 2] = [322.0, 250.0];
 const ROOM: f64 = 400.0;
 
+const CAPTION: &str = "Bend of actuators of latex tubing, beside the analytic model and finite elements of the cross-section with nothing fitted. \
+                       Dot: one reading, published in skim0119/BR2-simulator.";
+
 /// Compare the models with measured actuators and elastomers, with nothing fitted and with a fitted modulus
 #[derive(Args)]
 #[command(
@@ -79,11 +82,7 @@ fn tsv(sets: &[Set]) -> String {
 /// A chart for each set with more than one pressure.
 fn picture(sets: &[Set]) -> String {
     let charts = sets.iter().filter(|set| set.rows.len() > 1).map(chart).collect();
-    sheet(
-        &[charts],
-        ROOM,
-        "Bend of measured actuators, of the analytic model and of finite elements of the cross-section",
-    )
+    sheet(&[charts], ROOM, CAPTION)
 }
 
 fn chart(set: &Set) -> Chart {

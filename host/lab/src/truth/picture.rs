@@ -9,7 +9,8 @@ const ROW: f64 = 34.0;
 /// Width of a chart with its frame, px.
 const ROOM: f64 = 800.0;
 
-const CAPTION: &str = "Tip error at the dwells, RMS: by the model, after learning, and with feedback within the run. Each effect of the body alone, and all.";
+const CAPTION: &str = "RMS tip error at the dwells on limbs whose parameters differ from those of the model: by the model alone, after learning, \
+                       and with feedback within the run. Each effect of the body by itself, and all of them.";
 
 /// A chart for each scene as a document that stands by itself.
 pub(super) fn picture(rows: &[Row]) -> String {
@@ -63,7 +64,7 @@ fn chart(rows: &[Row]) -> Chart {
 /// A limb in few words: the effects of all are not listed.
 fn name(limb: &str) -> String {
     match limb.matches(" + ").count() {
-        0 if limb == "simple" => "the planner's own limb".to_owned(),
+        0 if limb == "simple" => "planner's limb, perturbed".to_owned(),
         0 => "body, no effect".to_owned(),
         1 => limb.to_owned(),
         _ if limb.contains("swing") => "body + all of them".to_owned(),
@@ -90,7 +91,7 @@ mod tests {
             (1 + 1, 2 + 1),
             "{svg}"
         );
-        assert!(svg.contains(">the planner's own limb<"), "{svg}");
+        assert!(svg.contains(">planner's limb, perturbed<"), "{svg}");
         assert!(svg.contains(">body + creep<") && svg.contains(">10⁰<") && !svg.contains("NaN"), "{svg}");
     }
 }
