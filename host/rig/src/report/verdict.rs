@@ -1,5 +1,7 @@
 //! The answers that a reader looks for first: did the tip arrive, why not, how near was an obstacle, what failed.
 
+use std::cmp::Ordering;
+
 use super::causes::{Cause, Causes, GoalCheck, Outcome, TOLERANCE, outcomes};
 use super::stats::distance;
 use super::summary::scheduled;
@@ -68,7 +70,7 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
         (None, [], None) => "The pressures brought every module to its setpoint. No observer measured the limb.".into(),
     };
     let reason = worst.map(|(outcome, causes, total_m)| {
-        let parts: Vec<_> = causes.sorted().into_iter().map(|(cause, part_m)| because(cause, part_m)).collect();
+        let parts: Vec<_> = causes.sorted().into_iter().map(|(cause, part_m)| because(cause, part_m, log)).collect();
         let vectors = if parts.len() > 1 { "; they add as vectors" } else { "" };
         let name = quoted(&outcome.phase.name);
         let causes: String = parts.iter().map(|part| format!(", {part}")).collect();
@@ -128,16 +130,14 @@ fn grasped_off_goal(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<String> {
     });
     let picks: Vec<_> = picks.collect();
     let (phase, object) = picks.first()?;
-    let picked = match picks.len() {
-        1 => format!("The gripper closed off its goal in {}, and {object} was carried on.", quoted(phase)),
-        count => {
-            format!(
-                "The gripper closed off its goal {count} times, first in {}, and {object} was carried on.",
-                quoted(phase)
-            )
-        }
+    let phase = quoted(phase);
+    let missed = match picks.len() {
+        1 => format!("The limb missed its goal in {phase}"),
+        count => format!("The limb missed its goal in {count} picks, first in {phase}"),
     };
-    Some(format!("{picked} The simulated gripper takes its object wherever it closes."))
+    Some(format!(
+        "{missed}, and {object} was carried on all the same: a simulated gripper takes its object wherever it closes."
+    ))
 }
 
 fn counted(count: usize, thing: &str) -> String {
@@ -164,9 +164,10 @@ fn unbroken(text: &str) -> String {
 }
 
 /// A cause of the tip's error in words.
-fn because(cause: Cause, part_m: f64) -> String {
+fn because(cause: Cause, part_m: f64, log: &RunLog) -> String {
     let words = match cause {
         Cause::Pressure => "by pressure tracking",
+        Cause::Model if log.info.simulated => "because the simulated limb differs from the model",
         Cause::Model => "because the limb differs from its model",
         Cause::Sag => "by sag under weight",
     };
@@ -316,7 +317,7 @@ fn tip(log: &RunLog, outcomes: &[Outcome<'_>], summary: &Summary) -> Option<Card
         return Some(Card { title, value: mm(value_m), detail, alarming: before.is_some() });
     };
     let most =
-        causes.sorted().first().map_or(String::new(), |&(cause, part_m)| format!("; {}", because(cause, part_m)));
+        causes.sorted().first().map_or(String::new(), |&(cause, part_m)| format!("; {}", because(cause, part_m, log)));
     let detail = format!("largest at the end of a phase: {}{most}", quoted(&outcome.phase.name));
     let alarming = outcomes.iter().any(|outcome| outcome.goal.is_some_and(|goal| !goal.is_hit()));
     Some(Card { title, value: mm(total_m), detail, alarming })
@@ -355,12 +356,13 @@ fn clearance_of(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
         return Some(Card { title, value: mm(planned.distance_m), detail, alarming: false });
     };
     let plan = planned.map_or(String::new(), |planned| format!("planned {}", mm(planned.distance_m)));
-    let below = log.info.clearance_m.and_then(|required_m| below_required(seen.distance_m, required_m));
+    let beside_required = log.info.clearance_m.map(|required_m| to_required(seen.distance_m, required_m));
+    let is_below = log.info.clearance_m.is_some_and(|required_m| seen.distance_m < required_m);
     // A carried object may touch its support when it is picked up and put down. Contact of the limb itself raises the alarm.
     let limb = log.contacts.iter().filter(|contact| !contact.carried);
     let pressed = limb.max_by(|a, b| a.force_n.total_cmp(&b.force_n));
     // Without contact, the place of the least clearance names the required one already.
-    let is_named = below.is_some() && pressed.is_none() && !is_deep(log, seen);
+    let is_named = pressed.is_none() && !is_deep(log, seen);
     let required = if is_named { "" } else { required.trim_start_matches(", ") };
     let beside = [plan, required.to_owned()];
     let beside = beside.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(", ");
@@ -374,18 +376,23 @@ fn clearance_of(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<Card> {
         }
         (None, true) => ("contact".to_owned(), format!("{} deep in {place}{beside}", mm(-seen.distance_m))),
         (None, false) => {
-            let below = below.as_ref().map_or(String::new(), |below| format!(", {below}"));
-            (mm(seen.distance_m), format!("from {place}{below}{beside}"))
+            let required = beside_required.map_or(String::new(), |required| format!(", {required}"));
+            (mm(seen.distance_m), format!("from {place}{required}{beside}"))
         }
     };
-    let alarming = pressed.is_some() || seen.distance_m <= 0.0 || below.is_some();
+    let alarming = pressed.is_some() || seen.distance_m <= 0.0 || is_below;
     Some(Card { title, value, detail, alarming })
 }
 
-/// The required clearance in words where a distance is below it, with as many digits as tell the two apart.
-fn below_required(distance_m: f64, required_m: f64) -> Option<String> {
-    let digits = if number_mm(distance_m) == number_mm(required_m) { 3 } else { 1 };
-    (distance_m < required_m).then(|| format!("below the required {:.digits$} mm", 1e3 * required_m))
+/// A distance beside the required clearance in words, with as many digits as tell the two apart.
+fn to_required(distance_m: f64, required_m: f64) -> String {
+    let digits = if distance_m != required_m && number_mm(distance_m) == number_mm(required_m) { 3 } else { 1 };
+    let side = match distance_m.total_cmp(&required_m) {
+        Ordering::Less => "below",
+        Ordering::Equal => "equal to",
+        Ordering::Greater => "above",
+    };
+    format!("{side} the required {:.digits$} mm", 1e3 * required_m)
 }
 
 /// Whether the limb is in an obstacle. A surface that stops it gives a little; between two places with contact it may be deeper.
