@@ -20,7 +20,7 @@ const STACK: u16 = 8_192;
 /// The board has nine channels.
 const CHANNELS: usize = 9;
 
-/// Time from the last telemetry to the start of a motion, us. A busy computer hands bytes over to an emulated port late, by the emulator's time.
+/// Time from the last telemetry to the start of a motion, us. On a busy computer, bytes reach an emulated port late in the emulator's time.
 const LEAD_US: u64 = 1_500_000;
 
 type Device = Host<Box<dyn Processor>>;
@@ -66,7 +66,7 @@ fn live(host: &mut Device, us: u64) {
     }
 }
 
-/// Lets time pass until the device has said something: 2 s at most, which a busy computer may take for an emulated port.
+/// Waits for a message of the device, 2 s at most: a busy computer may take that long for an emulated port.
 fn hear<T>(host: &mut Device, name: &str, wanted: impl Fn(&DeviceMessage) -> Option<T>) -> T {
     let until_us = host.mcu.now_us() + 2_000_000;
     loop {
@@ -86,7 +86,7 @@ fn a_device_that_is_switched_on_answers_within_100_ms() {
             DeviceMessage::HelloReply(reply) => Some(reply.clone()),
             _ => None,
         });
-        // A busy computer hands over late, by the emulator's time, what an emulated port sends: the time at which the device answered counts there.
+        // On a busy computer, answers of the emulated port arrive late in the emulator's time. Its reply states when it answered.
         let answered_us = if name == "flashed" { reply.mcu_time_us } else { host.mcu.now_us() };
         assert!(answered_us <= 100_000, "{name}: after {answered_us} us");
         assert_eq!((reply.boot_cause.known(), reply.boot_detail), (Some(BootCause::PowerOn), 0), "{name}");

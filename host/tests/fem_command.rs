@@ -187,7 +187,7 @@ fn run_removes_what_killed_ones_left() {
 #[test]
 fn calculix_ends_with_the_run_that_is_killed() {
     let temporary = tempfile::tempdir().unwrap();
-    // It tells its number once the run has had time to start the shell that guards it.
+    // It writes its process number after the run has had time to start the guarding shell.
     let fake = Fake::new("sleep 1; echo $$ > \"$HERE/draft-id\"; mv \"$HERE/draft-id\" \"$HERE/id\"; exec sleep 600");
     let line = format!("fea run {} --ccx {}", scene("single-bending.toml").display(), fake.path("ccx").display());
     let mut run = softlimb_in(temporary.path(), fake.folder.path(), &line);

@@ -109,7 +109,7 @@ fn a_crash_empties_the_limb_and_is_told_at_the_next_hello() {
                 _ => None,
             })
         };
-        // A busy computer hands over late, by the emulator's time, what the device sends.
+        // On a busy computer, messages of the device arrive late in the emulator's time.
         let until_us = host.mcu.now_us() + 2_000_000;
         while told(&host).is_none() && host.mcu.now_us() < until_us {
             host.wait(1_000);

@@ -54,7 +54,7 @@ fn the_flashed_image_behind_a_terminal_tracks_as_the_controller_here() {
     assert!((found - reference).abs() < 0.05 * reference, "{found} Pa, here {reference} Pa");
 }
 
-/// A run on a served device of its own, and the controller run again on its log.
+/// Runs the scene on a newly served device, and replays the controller on the log.
 fn behind_a_terminal(scene: &Scene, mcu: &Mcu) -> Result<(Summary, Replay), RunError> {
     let limb = Limb::new(scene).unwrap();
     let mut port = ClientPort::terminal().unwrap();

@@ -108,12 +108,12 @@ pub(crate) fn rerun(log: &Path) -> Replay {
     rerun
 }
 
-/// The same, whatever it gives.
+/// The replay of a log, without a check.
 pub(crate) fn replayed(log: &Path) -> Replay {
     replay(&read_capture(log).unwrap()).unwrap()
 }
 
-/// A controller run again gives what its log has.
+/// Checks that a replay reproduces its log.
 #[track_caller]
 pub(crate) fn agrees(rerun: &Replay) {
     assert_eq!(rerun.difference, None, "{rerun:?}");

@@ -61,9 +61,9 @@ fn wait(child: &mut Child, limit: Duration) -> io::Result<(ExitStatus, bool)> {
     Ok((child.wait()?, true))
 }
 
-/// Processes that a process has started, and those that they have started; none where no program lists them.
+/// Descendants of a process; none where `ps` is missing.
 ///
-/// A group of processes would name them too, but Ctrl-C at the terminal reaches the group of this program alone.
+/// A process group would also contain them. But Ctrl-C at the terminal reaches only the group of this program.
 fn descendants(of: u32) -> Vec<u32> {
     let Ok(listed) = Command::new("ps").args(["-A", "-o", "pid=", "-o", "ppid="]).stderr(Stdio::null()).output() else {
         return Vec::new();
@@ -112,7 +112,7 @@ impl Pipe {
         Self { bytes, reader }
     }
 
-    /// What came. A program that hung may have started others that were not found and keep the pipe open: it is left to them.
+    /// The bytes read so far. After a hang, descendants that were not found may keep the pipe open: nobody waits for them.
     fn end(self, hung: bool) -> Vec<u8> {
         if !hung {
             // A reader does not panic.
@@ -197,7 +197,7 @@ mod tests {
         let id = String::from_utf8(hangs.output.unwrap().stdout).unwrap();
         let runs = || {
             let state = Command::new("ps").args(["-o", "stat=", "-p", id.trim()]).output().unwrap().stdout;
-            // Nobody may have asked how it ended.
+            // A zombie has ended, though nobody has reaped it.
             !state.trim_ascii().is_empty() && !state.starts_with(b"Z")
         };
         assert!(!id.is_empty());

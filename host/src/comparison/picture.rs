@@ -11,7 +11,7 @@ const AREA: [f64; 2] = [322.0, 210.0];
 const ROOM: f64 = 400.0;
 
 const CAPTION: &str = "Tubes of 6/8 mm and 10/14 mm: inner and outer radius. Lines: analytic model. Crosses: finite elements of the section. \
-                       Squares: calibrated cubic. Rings: CalculiX. Each chart of differences has a range of its own.";
+                       Squares: calibrated cubic. Rings: CalculiX. The scales of the difference charts differ.";
 
 /// The picture as a document that stands by itself.
 pub fn picture(comparison: &Comparison) -> String {

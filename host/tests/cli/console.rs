@@ -11,10 +11,10 @@ use driver::browser;
 use crate::cli::desk::Desk;
 use crate::cli::program::Program;
 
-/// Browsers that are begun in all, each with its own console: Chromium 156 sometimes draws one frame a second or none until it ends.
+/// Browsers to try, each with its own console: Chromium 156 sometimes draws one frame a second, or none, until it ends.
 const BROWSERS: usize = 4;
 
-/// Exit code of the script where the browser is such a one.
+/// Exit code of the script for such a browser.
 const SLOW: i32 = 3;
 
 #[test]
@@ -45,7 +45,7 @@ fn console_is_used_in_a_browser() {
             None => !std::mem::replace(&mut has_hung, true),
         };
         if spare > 0 && is_slow {
-            println!("a browser is begun anew: {text}");
+            println!("another browser is started: {text}");
             continue;
         }
         assert!(output.status.success(), "{text}");

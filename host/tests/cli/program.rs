@@ -23,7 +23,7 @@ impl Program {
         Self::start_of(env!("CARGO_BIN_EXE_softlimb"), desk, line)
     }
 
-    /// The same of another build of the command.
+    /// Starts another build of the command.
     pub(crate) fn start_of(file: &str, desk: &Desk, line: &str) -> Self {
         let mut child = Command::new(file)
             .args(line.split_whitespace())

@@ -10,8 +10,8 @@ const ROOM: f64 = 400.0;
 /// Least values that are drawn, of an objective and of a share: less is rounding.
 const FLOORS: [f64; 2] = [1e-16, 1e-12];
 
-const CAPTION: &str = "Least objective so far, a line for each problem, to the dot at its end. Less than 1e-16, or relative to the least 1e-12, is \
-                       rounding and drawn at that value.";
+const CAPTION: &str = "Least objective so far, a line for each problem; a dot ends it. Values below 1e-16 (1e-12 if relative to the least) are \
+                       rounding, and are drawn there.";
 
 /// The picture as a document that stands by itself.
 pub fn picture(comparison: &Comparison) -> String {

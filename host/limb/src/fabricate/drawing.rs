@@ -17,7 +17,7 @@ const ACROSS: f64 = 150.0;
 /// Left edge and room above, px.
 const LEFT: f64 = 60.0;
 const TOP: f64 = 34.0;
-/// Height of the dimensions of the mold in words, px.
+/// Height of the mold's dimensions in text, px.
 const LINES: f64 = 128.0;
 /// Chords of the drawn thread, as a share of its radius.
 const CHORD: f64 = 0.02;

@@ -1,4 +1,4 @@
-//! The largest load against its direction, all around the tip of a limb in a pose. A load is a force on the tip: down, it is a hanging weight.
+//! The largest load against its direction, all around the tip of a limb in a pose. A load is a force on the tip; a hanging weight points down.
 
 use std::f64::consts::TAU;
 
@@ -136,8 +136,8 @@ fn at(share: f64, angle: f64) -> [f64; 2] {
     [share * angle.cos(), share * angle.sin()]
 }
 
-/// Loads of the circles that have a name, N, and its place: in the first direction of [`NAMED_RAD`] in which the curves leave the names free,
-/// else in that in which they leave most, without those of inner circles that a curve crosses.
+/// Loads of the labelled circles, N, and places of the labels. All labels lie along the direction of [`NAMED_RAD`] with the most room.
+/// Inner circles whose label a curve would cross have none.
 fn circle_names(radius: &Radius, curves: &[Vec<[f64; 2]>]) -> Vec<(f64, [f64; 2])> {
     let circles_n = radius.circles_n();
     let room = |angle: f64, load_n: f64| room_px(at(radius.share(load_n), angle), curves);

@@ -10,7 +10,7 @@ const ROOM: f64 = 400.0;
 const RIM: f64 = 0.03;
 /// Least side of a view, px.
 const LEAST: f64 = 120.0;
-/// Width of the key below its entries, px, and a height without an area.
+/// Size of the empty chart that holds the key, px.
 const KEY: [f64; 2] = [240.0, 1.0];
 /// Shades of the depth.
 const SHADES: usize = 5;

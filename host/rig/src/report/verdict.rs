@@ -92,7 +92,7 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
         (true, false, true) => format!("Clearance {} {}.", card.value, card.detail),
         (true, false, false) => format!("Least clearance of the run: {} {}.", card.value, card.detail),
     });
-    // The headline has a violation of the clearance beside the goals.
+    // A violated clearance belongs to the headline.
     let (headline, clearance) = match clearance {
         Some(violation) if is_close => (format!("{arrival} {violation}"), None),
         clearance => (arrival, clearance),
@@ -135,9 +135,7 @@ fn grasped_off_goal(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<String> {
         1 => format!("The limb missed its goal in {phase}"),
         count => format!("The limb missed its goal in {count} picks, first in {phase}"),
     };
-    Some(format!(
-        "{missed}, and {object} was carried on all the same: a simulated gripper takes its object wherever it closes."
-    ))
+    Some(format!("{missed}, but {object} was still carried: a simulated gripper takes its object wherever it closes."))
 }
 
 fn counted(count: usize, thing: &str) -> String {
@@ -149,7 +147,7 @@ fn quoted(name: &str) -> String {
     format!("\u{201c}{name}\u{201d}")
 }
 
-/// The text with a number and its unit on one line.
+/// The text with non-breaking spaces between numbers and their units.
 fn unbroken(text: &str) -> String {
     const UNITS: [&str; 5] = ["mm", "%", "s", "N", "kPa"];
     let mut words = text.split(' ');

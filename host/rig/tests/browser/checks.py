@@ -78,7 +78,7 @@ CONTRAST = r"""
 """
 
 
-# Browsers that are begun in all: Chromium 156 sometimes draws one frame a second or none, and goes on so until it ends.
+# Browsers to try: Chromium 156 sometimes draws one frame a second, or none, until it ends.
 BROWSERS = 4
 # Milliseconds that three frames take, each counted as a second at most.
 PACE = r"""

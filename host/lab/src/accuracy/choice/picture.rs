@@ -12,8 +12,8 @@ const ROOM: f64 = 800.0;
 const LEAST: f64 = 1e-12;
 const COLORS: [Color; 5] = [Color::First, Color::Second, Color::Third, Color::Fourth, Color::Fifth];
 
-const CAPTION: &str = "The error is the difference from finite elements on a mesh six times as fine as the default one, of CalculiX on the default one. \
-                       Dot: median of the benders; line: up to the largest. Of times only factors of ten count.";
+const CAPTION: &str = "Error: difference from finite elements of the section on a mesh six times finer; for CalculiX, on the default mesh. \
+                       Dot: median of the benders; line: up to the largest. Read times to a factor of ten.";
 
 /// The picture as a document that stands by itself.
 pub fn picture(choice: &Choice, validation: &Comparison) -> String {

@@ -118,7 +118,7 @@ const LimbView = (() => {
       const g = this.g;
       Object.assign(g, { font: "12px system-ui, sans-serif", textBaseline: "middle", lineJoin: "round" });
       const half = Math.max(...marks.map(({ name }) => g.measureText(name).width)) / 2;
-      // What moves leaves the column where it is.
+      // The column does not follow the limb.
       const across = [...solids.flatMap((one) => one.lines_m.flat()), ...targets.map((one) => one.at), ...carried.map((one) => one.at)].filter(finite).map((p) => this.project(p)[0]);
       const [left, right] = [Math.min(...across), Math.max(...across)];
       const side = this.width - right >= left ? 1 : -1;
