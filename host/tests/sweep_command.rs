@@ -182,6 +182,8 @@ fn row_is_a_run_with_a_seed() {
     fs::write(desk.path().join("other.toml"), scene).unwrap();
     let output = run(desk.path(), &["run", "other.toml", "--seed", "2", "--json"]);
     let summary: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let output = run(desk.path(), &["check", "other.toml", "--json"]);
+    let checked: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let headings: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
     let rows = rows(&table);
     let cell = |heading: &str| -> f64 {
@@ -194,7 +196,8 @@ fn row_is_a_run_with_a_seed() {
         ("tip_max [m]", &tip["error_m"]["max"]),
         ("tip_tracking_rms [m]", &tip["tracking_error_m"]["rmse"]),
         ("pressure_rms [Pa]", &summary["pressure"]["true_error_pa"]["rmse"]),
-        ("duration [s]", &summary["duration_s"]),
+        ("duration [s]", &summary["schedule_s"]),
+        ("duration [s]", &checked["duration_s"]),
     ] {
         let value = value.as_f64().expect("a figure");
         assert!((cell(heading) / value - 1.0).abs() < 1e-8, "{heading}: {} {value}", cell(heading));

@@ -60,7 +60,7 @@ pub(super) fn of_a_run(run: &Summary) -> Vec<String> {
         peak_share(run),
         Some(run.misses.len() as f64),
         Some(run.faults.len() as f64),
-        Some(run.duration_s),
+        run.schedule_s,
     ]
     .map(|figure| figure.map_or(String::new(), shown))
     .into()

@@ -61,7 +61,7 @@ pub trait Pilot {
     fn vented(&mut self);
 }
 
-/// Follows a pilot on the device behind `transport`, and vents the limb at the end, also after an error.
+/// Follows a pilot on the device behind `transport`, and vents the limb at the end if the options say so, after an error in any case.
 ///
 /// `on_event` is called as [`stream`](super::stream()) does; there is an [`Event::Armed`] at each start, and the first one is the zero of all times.
 ///
@@ -220,7 +220,7 @@ impl<T: Transport> Live<'_, '_, T> {
     fn vent(&mut self, wish: Wish) -> Result<(), LinkError> {
         self.run.driver.session.close_window();
         if wish == Wish::End {
-            return self.run.vent();
+            return self.run.end();
         }
         self.run.driver.settle(self.run.options.abort_max_us);
         self.run.begin_vent()?;

@@ -35,6 +35,9 @@ pub struct StreamOptions<'a> {
     pub attempts_max: u32,
     /// Stretch of setpoints that is buffered before the start, and that a full buffer must cover: the pause of the host that it bridges.
     pub buffer_us: u64,
+    /// Vent the limb once the last knot has passed. Without it the device is left holding; a simulated one that is not used again needs no
+    /// more. A run that fails vents in either case.
+    pub vents: bool,
     /// Longest time of the pressures to go down.
     pub vent_max_us: u64,
     /// Longest time to try to vent after an error.
@@ -64,6 +67,7 @@ impl StreamOptions<'_> {
             lead_us: 300_000,
             attempts_max: 5,
             buffer_us: 500_000,
+            vents: true,
             vent_max_us: 60_000_000,
             abort_max_us: 500_000,
             aftermath_us: 5_000_000,

@@ -41,7 +41,7 @@ impl<T: Transport> Run<'_, T> {
         self.follow(start_us)?;
         self.driver.session.close_window();
         self.driver.tell(Event::Finished);
-        self.vent()
+        self.end()
     }
 
     /// Brings a device that was left under pressure or with a fault to where it can be configured.
@@ -195,6 +195,16 @@ impl<T: Transport> Run<'_, T> {
             return LinkError::Starved { accepted: window.accepted(), total: window.total() };
         }
         LinkError::Stopped { state }
+    }
+
+    /// Vents, or waits for the report of the last moment of the run where the options leave the device holding.
+    pub(super) fn end(&mut self) -> Result<(), LinkError> {
+        if self.options.vents {
+            return self.vent();
+        }
+        let end_us = self.driver.device_now_us()?;
+        let reported_us = |driver: &Driver<'_, T>| driver.session.telemetry().map_or(0, |telemetry| telemetry.time_us);
+        self.driver.until(STATE_NEWS_US, |driver| reported_us(driver) >= end_us).map(drop)
     }
 
     /// Lets the pressures down and waits until the device is ready again.

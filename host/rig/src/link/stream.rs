@@ -24,7 +24,7 @@ pub enum Ending {
     Canceled,
 }
 
-/// Summary of a run. The limb is vented and the device ready.
+/// Summary of a run. The limb is vented and the device ready, unless the options leave it holding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// The device.
@@ -45,7 +45,7 @@ pub struct Summary {
     pub statistics: LinkStatistics,
 }
 
-/// Runs `knots` on the device behind `transport` and vents the limb afterwards, whatever happens on the way.
+/// Runs `knots` on the device behind `transport` and vents the limb afterwards if the options say so, after an error in any case.
 ///
 /// `on_event` is called for everything as it happens, between two turns: it may use the transport, and while it takes its time the device
 /// lives on its buffer.

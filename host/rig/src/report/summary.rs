@@ -32,6 +32,8 @@ pub struct Summary {
     pub seed: Option<u64>,
     /// Time from the first sample to the last, s.
     pub duration_s: f64,
+    /// Duration of the schedule, s; `None` without one.
+    pub schedule_s: Option<f64>,
     /// Number of samples in the log.
     pub samples: usize,
     /// One entry per module, from the base to the tip.
@@ -175,6 +177,7 @@ pub fn summary(log: &RunLog) -> Summary {
         corrections: log.info.corrections,
         seed: log.info.seed,
         duration_s,
+        schedule_s: schedule(&log.info).map(|(start_s, end_s)| end_s - start_s),
         samples: log.samples.len(),
         modules: modules.map(|(index, info)| module(index, info, &counted)).collect(),
         tip: tip(log, &counted),

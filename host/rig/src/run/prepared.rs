@@ -176,24 +176,28 @@ impl<'a> Prepared<'a> {
             .observed_by(self.scene.camera().map(|camera| Camera::new(*camera, noise, seed)))
     }
 
+    /// Settings of a session with a device.
+    pub(super) fn options<'c>(&self, session: u16, cancel: &'c AtomicBool) -> StreamOptions<'c> {
+        let options = stream_options(&self.configuration, &self.limb, session, cancel);
+        StreamOptions { sampling: self.sampling, ..options }
+    }
+
     /// Streams the setpoints to a device, corrected by a camera's images if the scene asks for it. `on_event` gives what the camera has at a report.
     pub(super) fn stream<D: Transport>(
         &self,
         device: &mut D,
-        (session, cancel): (u16, &AtomicBool),
+        options: &StreamOptions<'_>,
         mut on_event: impl FnMut(&mut D, Event) -> Option<Frame>,
     ) -> Result<link::Summary, LinkError> {
-        let options = stream_options(&self.configuration, &self.limb, session, cancel);
-        let options = StreamOptions { sampling: self.sampling, ..options };
         let Self { scene, limb, plan, sent, .. } = self;
         let Some(settings) = &self.feedback else {
             let knots = wire_knots(plan, sent);
-            return link::stream(device, &self.configuration, &knots, &options, |device, event| {
+            return link::stream(device, &self.configuration, &knots, options, |device, event| {
                 on_event(device, event);
             });
         };
         let task = Task { scene, limb, plan, sent, settings };
-        follow(device, (&self.configuration, &options), task, on_event)
+        follow(device, (&self.configuration, options), task, on_event)
     }
 
     /// Runs on a simulated device and keeps the samples in memory: `parts` is the seed of what the limb is, `noise` of what differs from
@@ -204,7 +208,8 @@ impl<'a> Prepared<'a> {
         Ok(self.log(&settings)?.samples)
     }
 
-    /// Runs on a simulated device and keeps the log in memory, without shapes, bodies and counters of the link.
+    /// Runs on a simulated device and keeps the log in memory, without shapes, bodies and counters of the link. The log ends with the schedule:
+    /// no figure looks at the venting behind it.
     fn log(&self, settings: &SimSettings) -> Result<RunLog, RunError> {
         let processor: Box<dyn Processor> = Box::new(here());
         let mut device = Observed::new(SimulatedMcu::with_processor(settings, processor)?);
@@ -212,7 +217,8 @@ impl<'a> Prepared<'a> {
         let mut assembler = self.assembler(self.scene, &self.limb, seeds).samples_only();
         let (mut samples, mut faults) = (Vec::new(), Vec::new());
         let cancel = AtomicBool::new(false);
-        let ended = self.stream(&mut device, (SESSION, &cancel), |device, event| {
+        let options = StreamOptions { vents: false, ..self.options(SESSION, &cancel) };
+        let ended = self.stream(&mut device, &options, |device, event| {
             match event {
                 Event::Armed { start_us, .. } => assembler.start(start_us),
                 Event::Telemetry { message, .. } => {
@@ -244,8 +250,9 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// Runs a scene on a simulated limb for each seed, without logs. The figures of merit are those of [`run`](super::run) with that seed; counters of the
-/// link are zero. `each` ends the runs by returning `false`.
+/// Runs a scene on a simulated limb for each seed, without logs. The figures of merit are those of [`run`](super::run) with that seed. The
+/// simulation ends with the schedule: faults and contacts while the limb is vented do not count. Counters of the link are zero. `each` ends
+/// the runs by returning `false`.
 ///
 /// # Errors
 /// [`RunError`] if the scene cannot run. Errors of a single seed are passed to `each`.

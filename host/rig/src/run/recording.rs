@@ -107,7 +107,7 @@ pub(super) fn recorded<D: Bench>(
         ..prepared.info(session.origin)
     };
     recorded_by(device, (info, assembler, period_us), session.out, |device, recording| {
-        prepared.stream(device, (session.number, cancel), |device, event| {
+        prepared.stream(device, &prepared.options(session.number, cancel), |device, event| {
             if let Some(sample) = recording.take(device, event) {
                 on_progress(Progress { time_s: sample.time_s.min(duration_s), duration_s });
             }
