@@ -33,7 +33,7 @@ pub(super) struct Run<'a, T> {
 }
 
 impl<T: Transport> Run<'_, T> {
-    /// From configuring to venting.
+    /// From configuring to the end.
     pub(super) fn whole(&mut self) -> Result<(), LinkError> {
         self.configure()?;
         self.get_ready()?;
