@@ -9,7 +9,7 @@ mod svg;
 mod thin;
 
 pub use label::{WEIGHTLESS, labelled};
-pub use scale::span;
+pub use scale::{span, steps};
 pub use sheet::sheet;
 
 /// Color of a line, resolved by the page's style sheet.
@@ -162,6 +162,8 @@ pub struct Note {
     pub at: [f64; 2],
     /// The word.
     pub text: String,
+    /// The meaning of a letter that stands for longer words, for a key below the chart; empty for other words.
+    pub meaning: String,
 }
 
 /// A chart. [`svg`](Chart::svg) draws it.

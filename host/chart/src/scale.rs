@@ -17,6 +17,12 @@ pub fn span(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     [low.max(f64::MIN / 4.0), high.min(f64::MAX / 4.0)]
 }
 
+/// Points with a corner before each of them, for a quantity that keeps its value up to the next point.
+pub fn steps(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let corners = points.windows(2).flat_map(|pair| [[pair[1][0], pair[0][1]], pair[1]]);
+    points.first().copied().into_iter().chain(corners).collect()
+}
+
 /// A linear map from an interval of values to one of pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scale {
@@ -82,14 +88,9 @@ impl Scale {
     }
 }
 
-/// A power of ten with its exponent above the line.
+/// A power of ten; the drawing raises its exponent.
 fn power(exponent: f64) -> String {
-    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    let raised = |letter: char| match letter.to_digit(10) {
-        Some(digit) => DIGITS[digit as usize],
-        None => '⁻',
-    };
-    format!("10{}", format!("{exponent:.0}").chars().map(raised).collect::<String>())
+    format!("10^{exponent:.0}")
 }
 
 /// Smallest of 1, 2, 5 times a power of ten that is not below `rough`.
@@ -129,9 +130,9 @@ mod tests {
             let ticks = Scale::new(range, [0.0, 100.0]).decades(spacing);
             ticks.into_iter().map(|(_, label)| label).collect::<Vec<_>>()
         };
-        assert_eq!(labels([-3.0, 1.0], 20.0), ["10⁻³", "10⁻²", "10⁻¹", "10⁰", "10¹"]);
-        assert_eq!(labels([-3.5, 1.0], 40.0), ["10⁻²", "10⁰"]);
-        assert_eq!(labels([-24.0, -12.0], 100.0), ["10⁻²⁴", "10⁻¹²"]);
+        assert_eq!(labels([-3.0, 1.0], 20.0), ["10^-3", "10^-2", "10^-1", "10^0", "10^1"]);
+        assert_eq!(labels([-3.5, 1.0], 40.0), ["10^-2", "10^0"]);
+        assert_eq!(labels([-24.0, -12.0], 100.0), ["10^-24", "10^-12"]);
         assert!(labels([-1e9, 1e9], 1e-9).is_empty());
     }
 
@@ -141,6 +142,15 @@ mod tests {
             assert_eq!(Scale::new(range, [0.0, 10.0]).pixel(0.5), 5.0);
         }
         assert!(Scale::new([1e15, 1e15 + 1.0], [0.0, 500.0]).ticks(100.0).is_empty());
+    }
+
+    #[test]
+    fn steps_keep_a_value_up_to_the_next_point() {
+        assert_eq!(
+            steps(&[[0.0, 5.0], [2.0, 3.0], [3.0, 1.0]]),
+            [[0.0, 5.0], [2.0, 5.0], [2.0, 3.0], [3.0, 3.0], [3.0, 1.0]]
+        );
+        assert_eq!(steps(&[]), [[0.0; 2]; 0]);
     }
 
     #[test]

@@ -57,6 +57,7 @@ const STYLE: &str = "
 .page { fill: var(--page); }
 text { fill: var(--ink); font: 11.5px system-ui, sans-serif; }
 .title { font-size: 13px; font-weight: 600; }
+.letter { font-weight: 600; }
 .label, .tick-x { text-anchor: middle; }
 .tick-y { text-anchor: end; }
 .tick-x, .tick-y { fill: var(--soft); }

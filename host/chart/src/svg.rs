@@ -2,7 +2,7 @@
 
 use super::scale::Scale;
 use super::thin::thin;
-use super::{Axis, Band, Chart, Series, Stroke, Ticks};
+use super::{Axis, Band, Chart, Note, Series, Stroke, Ticks};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -31,10 +31,17 @@ const LED: f64 = 16.0;
 const SIDES: [[f64; 2]; 8] =
     [[1.0, -1.0], [1.0, 1.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, 0.0], [-1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
 
+/// The first of them for letters: right of the point.
+const BESIDE: usize = 4;
+/// Room of a letter of the key with its margins, and left edge of the key, px.
+const KEY: f64 = 26.0;
+const KEY_LEFT: f64 = 13.0;
+
 impl Chart {
     /// The chart as an `svg` element of its own width that a page can stretch.
     pub fn svg(&self) -> String {
         let legend = legend_rows(&self.series, self.area[0]);
+        let key = self.key();
         let (left, top) = (self.left(), self.top(legend.len()));
         let [width, height] = [left + self.area[0] + RIGHT, self.height()];
         let title = escape(&self.title);
@@ -56,13 +63,51 @@ impl Chart {
         self.marks.iter().for_each(|&mark| frame.draw_line_across(&mut svg, mark));
         self.series.iter().for_each(|series| frame.draw_series(&mut svg, series));
         self.draw_notes(&mut svg, &frame);
+        self.draw_key(&mut svg, &key, frame.bottom + BOTTOM);
         svg.push_str("</svg>\n");
         svg
     }
 
     /// Height of the chart with its frame, px.
     pub(super) fn height(&self) -> f64 {
-        self.top(legend_rows(&self.series, self.area[0]).len()) + self.area[1] + BOTTOM
+        let key = self.key_columns(&self.key()).1 as f64 * ROW;
+        self.top(legend_rows(&self.series, self.area[0]).len()) + self.area[1] + BOTTOM + key
+    }
+
+    /// The notes that stand for longer words, each once, by letter.
+    fn key(&self) -> Vec<&Note> {
+        let mut key: Vec<&Note> = Vec::new();
+        for note in self.notes.iter().filter(|note| !note.meaning.is_empty()) {
+            if key.iter().all(|other| other.text != note.text) {
+                key.push(note);
+            }
+        }
+        key.sort_by(|a, b| a.text.cmp(&b.text));
+        key
+    }
+
+    /// Width of a column of the key, px, and number of its rows.
+    fn key_columns(&self, key: &[&Note]) -> (f64, usize) {
+        let widths = key.iter().map(|note| KEY + text_width(&note.meaning));
+        let width = widths.fold(1.0, f64::max);
+        let columns = ((self.left() + self.area[0]) / width).max(1.0) as usize;
+        (width, key.len().div_ceil(columns))
+    }
+
+    /// The meanings of notes, in columns below the chart.
+    fn draw_key(&self, svg: &mut String, key: &[&Note], top: f64) {
+        let (width, rows) = self.key_columns(key);
+        for (index, note) in key.iter().enumerate() {
+            let (x, y) = (KEY_LEFT + width * (index / rows) as f64, top + ROW * (index % rows) as f64 + 13.0);
+            let _ = writeln!(
+                svg,
+                "<text class=\"letter\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>\
+                 <text class=\"legend\" x=\"{:.1}\" y=\"{y:.1}\">{}</text>",
+                escape(&note.text),
+                x + 16.0,
+                escape(&note.meaning)
+            );
+        }
     }
 
     /// Room above the area, px.
@@ -83,7 +128,11 @@ impl Chart {
             if !is_finite(&at) {
                 continue;
             }
-            let places = ASIDE.into_iter().flat_map(|far| SIDES.map(|side| Place::new(at, side, far, &note.text)));
+            // A letter beside its mark is at the height of no other.
+            let first = if note.meaning.is_empty() { 0 } else { BESIDE };
+            let sides = || SIDES.into_iter().cycle().skip(first).take(SIDES.len());
+            let places =
+                ASIDE.into_iter().flat_map(|far| sides().map(move |side| Place::new(at, side, far, &note.text)));
             let cost = |place: &Place| {
                 let Place { left, right, top, bottom, far, .. } = *place;
                 let is_outside =
@@ -210,16 +259,16 @@ impl Frame {
         let Self { left, right, top, bottom, .. } = *self;
         let spacing = ((right - left) / 8.0).clamp(48.0, 90.0);
         for (value, label) in self.x.marks(&x.ticks, [spacing; 2]) {
-            let (at, label) = (self.x.pixel(value), escape(&label));
+            let (at, label) = (self.x.pixel(value), tick(&x.ticks, &label));
             let _ = writeln!(
                 svg,
                 "<path class=\"grid\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>\
                  <text class=\"tick-x\" x=\"{at:.1}\" y=\"{:.1}\">{label}</text>",
-                bottom + 14.0
+                bottom + if x.ticks == Ticks::Powers { 18.0 } else { 14.0 }
             );
         }
         for (value, label) in self.y.marks(&y.ticks, [38.0, 30.0]) {
-            let (at, label) = (self.y.pixel(value), escape(&label));
+            let (at, label) = (self.y.pixel(value), tick(&y.ticks, &label));
             let _ = writeln!(
                 svg,
                 "<path class=\"grid\" d=\"M{left:.1} {at:.1}H{right:.1}\"/>\
@@ -401,6 +450,17 @@ pub(super) fn text_width(text: &str) -> f64 {
     LETTER * text.chars().count() as f64
 }
 
+/// The label of a tick. Exponents have digits of the size of a note: the raised ones of a font are half as high.
+fn tick(ticks: &Ticks, label: &str) -> String {
+    match (ticks, label.split_once('^')) {
+        (Ticks::Powers, Some((base, exponent))) => {
+            let exponent = exponent.replace('-', "\u{2212}");
+            format!("{base}<tspan dx=\"1\" dy=\"-5\" font-size=\"11\">{exponent}</tspan>")
+        }
+        _ => escape(label),
+    }
+}
+
 /// Text as XML content or attribute. Control characters have no place in XML.
 pub(super) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
@@ -436,7 +496,7 @@ mod tests {
     fn notes_cover_neither_marks_nor_each_other() {
         let axis = |label: &str| Axis { label: label.into(), range: [0.0, 100.0], ticks: Ticks::Round };
         let points: Vec<[f64; 2]> = (0..8).map(|row| [40.0, 20.0 + 6.5 * f64::from(row)]).collect();
-        let note = |&at: &[f64; 2]| crate::Note { at, text: "name".into() };
+        let note = |&at: &[f64; 2]| Note { at, text: "name".into(), meaning: String::new() };
         let chart = Chart {
             title: String::new(),
             area: [200.0, 200.0],
@@ -471,5 +531,34 @@ mod tests {
                 |other: &[f64; 4]| other[1] < *left || other[0] > *right || other[3] < *top || other[2] > *bottom;
             assert!(texts[..index].iter().all(is_apart), "{svg}");
         }
+    }
+
+    /// Letters twice, the later one first.
+    #[test]
+    fn key_has_each_letter_once_in_order() {
+        let axis = |label: &str| Axis { label: label.into(), range: [0.0, 100.0], ticks: Ticks::Powers };
+        let note =
+            |x: f64, text: &str, meaning: &str| Note { at: [x, 50.0], text: text.into(), meaning: meaning.into() };
+        let mut chart = Chart {
+            title: String::new(),
+            area: [200.0, 200.0],
+            x: axis("x"),
+            y: axis("y"),
+            notes: vec![note(20.0, "word", "")],
+            series: Vec::new(),
+            bands: Vec::new(),
+            marks: Vec::new(),
+        };
+        let height = chart.height();
+        assert!(!chart.svg().contains("\"letter\""));
+        chart.notes.extend([note(60.0, "b", "closed form"), note(40.0, "a", "table"), note(80.0, "a", "table")]);
+        let svg = chart.svg();
+        let key: Vec<&str> = svg.lines().filter(|line| line.contains("\"letter\"")).collect();
+        assert_eq!(key.len(), 2);
+        assert!(key[0].contains(">a</text>") && key[0].contains(">table</text>"), "{svg}");
+        assert!(key[1].contains(">b</text>") && key[1].contains(">closed form</text>"), "{svg}");
+        assert_eq!(svg.matches(">table</text>").count(), 1);
+        assert_eq!(chart.height(), height + ROW, "two columns");
+        assert!(svg.contains(">10<tspan dx=\"1\" dy=\"-5\" font-size=\"11\">0</tspan></text>"), "{svg}");
     }
 }

@@ -131,7 +131,7 @@ pub fn picture(name: &str, designs: &[BlockedDesign]) -> String {
         let letter = char::from(b'A' + index as u8);
         let wanted = points.last().map(|end| vec![[points[0][0], design.wanted_n], [end[0], design.wanted_n]]);
         let reached: Vec<[f64; 2]> = crossing(points, design.wanted_n).into_iter().collect();
-        let note = |at: [f64; 2], text: String| Note { at, text };
+        let note = |at: [f64; 2], text: String| Note { at, text, meaning: String::new() };
         notes.extend(reached.iter().map(|at| note(*at, letter.to_string())));
         ends.extend(points.last().map(|end| note(*end, letter.to_string())));
         notes.push(note([points[0][0], design.wanted_n], format!("{:.0} N wanted of {letter}", design.wanted_n)));

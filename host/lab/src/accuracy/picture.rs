@@ -76,6 +76,7 @@ fn chart(problem: &str, marks: &[Vec<Mark<'_>>; 2], label: &str) -> Chart {
     };
     let (x, y) = (range(0), range(1));
     let (mut series, mut notes): (Vec<Series>, Vec<Note>) = (Vec::new(), Vec::new());
+    let letters = letters(marks);
     for (marks, stroke) in marks.iter().zip([Stroke::Dots, Stroke::Rings]) {
         let points = marks.iter().map(|mark| mark.at).collect();
         series.push(Series { label: String::new(), color: Color::Faint, stroke, points });
@@ -87,11 +88,15 @@ fn chart(problem: &str, marks: &[Vec<Mark<'_>>; 2], label: &str) -> Chart {
         series.push(Series { label: String::new(), color, stroke: Stroke::Dotted, points: points.clone() });
         series.push(Series { label: name.into(), color, stroke, points });
         for mark in front {
-            let text = short(mark.method);
+            let meaning = short(mark.method);
+            let text = letters
+                .iter()
+                .find(|(_, name)| *name == meaning)
+                .map_or(String::new(), |(letter, _)| letter.to_string());
             let px = |at: &[f64; 2], axis: usize| AREA[axis] * at[axis] / ([x, y][axis][1] - [x, y][axis][0]);
             let far = |at: &[f64; 2]| (px(at, 0) - px(&mark.at, 0)).hypot(px(at, 1) - px(&mark.at, 1));
             if !notes.iter().any(|note| note.text == text && far(&note.at) < NEAR) {
-                notes.push(Note { at: mark.at, text });
+                notes.push(Note { at: mark.at, text, meaning });
             }
         }
     }
@@ -108,7 +113,20 @@ fn chart(problem: &str, marks: &[Vec<Mark<'_>>; 2], label: &str) -> Chart {
     }
 }
 
-/// A method beside its mark.
+/// Letters for the methods of both fronts, by rising cost.
+fn letters(marks: &[Vec<Mark<'_>>; 2]) -> Vec<(char, String)> {
+    let mut front: Vec<&Mark<'_>> = marks.iter().flat_map(|marks| front(marks)).collect();
+    front.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
+    let mut names: Vec<String> = Vec::new();
+    for name in front.into_iter().map(|mark| short(mark.method)) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    ('a'..).zip(names).collect()
+}
+
+/// A method in the key.
 fn short(method: &str) -> String {
     let words = [
         ("Newton, warm, ", "Newton, "),

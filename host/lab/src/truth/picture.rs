@@ -92,6 +92,6 @@ mod tests {
             "{svg}"
         );
         assert!(svg.contains(">planner's limb, perturbed<"), "{svg}");
-        assert!(svg.contains(">body + creep<") && svg.contains(">10⁰<") && !svg.contains("NaN"), "{svg}");
+        assert!(svg.contains(">body + creep<") && svg.contains(">10<tspan") && !svg.contains("NaN"), "{svg}");
     }
 }

@@ -198,7 +198,8 @@ fn chart(pose: &Polar, radius: &Radius) -> Chart {
         series.push(grid((0..=CHORDS).map(|chord| at(share, TAU * chord as f64 / CHORDS as f64)).collect()));
     }
     let names = circle_names(radius, &curves).into_iter();
-    let mut notes: Vec<Note> = names.map(|(load_n, at)| Note { at, text: newtons(load_n) }).collect();
+    let mut notes: Vec<Note> =
+        names.map(|(load_n, at)| Note { at, text: newtons(load_n), meaning: String::new() }).collect();
     let spokes = (0..SPOKES).flat_map(|spoke| {
         let angle = TAU * spoke as f64 / SPOKES as f64;
         [[0.0; 2], at(1.0, angle), [f64::NAN; 2]]
@@ -208,7 +209,7 @@ fn chart(pose: &Polar, radius: &Radius) -> Chart {
         [("plane x z", Color::First, Stroke::Solid, REACH), ("plane y z", Color::Second, Stroke::Dashed, -REACH)];
     for ((loads_n, points), (plane, color, stroke, edge)) in pose.loads_n.iter().zip(curves).zip(looks) {
         if let Some(text) = without_curve(plane, loads_n) {
-            notes.push(Note { at: [-REACH, edge], text });
+            notes.push(Note { at: [-REACH, edge], text, meaning: String::new() });
             continue;
         }
         let dots =

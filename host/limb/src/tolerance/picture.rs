@@ -71,7 +71,7 @@ fn view(name: &str, study: &Study<'_>, samples: &[Sample], (axes, labels): ([usi
         let one = |label: &str, color, stroke, points| Series { label: label.into(), color, stroke, points };
         // The name stands at the upper end.
         let end = ellipse.iter().copied().max_by(|a, b| a[1].total_cmp(&b[1]));
-        notes.extend(end.map(|at| Note { at, text: pose.name.clone() }));
+        notes.extend(end.map(|at| Note { at, text: pose.name.clone(), meaning: String::new() }));
         dots.push(one("", color, Stroke::Dots, shown));
         limbs.push(one(&pose.name, color, Stroke::Solid, line));
         // In the color of the tips, the ellipse would not show.

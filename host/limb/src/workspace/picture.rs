@@ -157,8 +157,10 @@ fn view(
     let bare = behind.into_iter().filter(|place| !is_covered(place)).collect();
     all.insert(0, series("", Color::Faint, Stroke::Hatched { side }, bare));
     all.extend(extreme.iter().map(|(_, line)| series("", Color::Ink, Stroke::Solid, line.clone())));
-    let notes =
-        extreme.iter().filter_map(|(name, line)| Some(Note { at: *line.last()?, text: (*name).into() })).collect();
+    let notes = extreme
+        .iter()
+        .filter_map(|(name, line)| Some(Note { at: *line.last()?, text: (*name).into(), meaning: String::new() }))
+        .collect();
     all.push(series("", Color::Second, Stroke::Solid, rest));
     Chart { title: title.into(), area, x, y, series: all, bands: Vec::new(), marks: Vec::new(), notes }
 }

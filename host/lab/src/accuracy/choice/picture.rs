@@ -25,7 +25,7 @@ pub fn picture(choice: &Choice, validation: &Comparison) -> String {
         let points = vec![[x, median], [x, largest]];
         series.push(Series { label: String::new(), color, stroke: Stroke::Solid, points });
         series.push(Series { label, color, stroke: Stroke::Dots, points: vec![[x, median]] });
-        notes.push(Note { at: [x, median], text: model.name().to_owned() });
+        notes.push(Note { at: [x, median], text: model.name().to_owned(), meaning: String::new() });
     }
     let axis = |index: usize, label: &str| {
         let values = series.iter().flat_map(|one| &one.points).map(|point| point[index]);
