@@ -119,7 +119,7 @@ impl Fabricate {
             self.write_piece(&folder, piece, &settings)?;
         }
         let sheet = sheet::sheet(scene.name(), &pieces, &settings, |piece| self.files(piece));
-        write(&folder.join("sheet.html"), &sheet::html(&sheet, &pieces))?;
+        write(&folder.join("sheet.html"), &sheet::html(&sheet, &pieces, &settings))?;
         write(&folder.join("sheet.md"), &sheet::markdown(&sheet))?;
         let count = pieces.iter().map(|piece| self.files(piece).len()).sum::<usize>() + 2;
         super::note(&format!("wrote {count} files to {}", folder.display()));

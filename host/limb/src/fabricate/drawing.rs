@@ -4,9 +4,12 @@ use std::fmt::Write;
 
 use fra_model::Motion;
 
-use super::mold::{CAP_M, FIT_M, HOLD_M, RECESS_M, SPIGOT_M, base_radius_m, shell_radius_m};
+use super::mold::{
+    CAP_M, FIT_M, HOLD_M, NIPPLE_M, RECESS_M, SPIGOT_M, base_radius_m, cap_profile, nipple_m, port_profile,
+    shell_radius_m,
+};
 use super::piece::Piece;
-use super::{Hand, Winding, path};
+use super::{Hand, Settings, Winding, path};
 
 /// Width of the drawing and longest picture of the actuator, px.
 const WIDTH: f64 = 660.0;
@@ -18,7 +21,9 @@ const ACROSS: f64 = 150.0;
 const LEFT: f64 = 60.0;
 const TOP: f64 = 34.0;
 /// Height of the mold's dimensions in text, px.
-const LINES: f64 = 128.0;
+const LINES: f64 = 146.0;
+/// Gap between the two caps, px: holds the words at the air port.
+const GAP: f64 = 70.0;
 /// Chords of the drawn thread, as a share of its radius.
 const CHORD: f64 = 0.02;
 /// Half the drawn width of a strain-limiting layer across, rad: the model takes it as a line.
@@ -132,8 +137,8 @@ pub(super) fn drawing(piece: &Piece) -> String {
     svg + "</svg>"
 }
 
-/// The drawing of the mold of a piece as an SVG element: a section along the axis, with the cap that closes the actuator beside it.
-pub(super) fn mold_drawing(piece: &Piece) -> String {
+/// The drawing of the mold of a piece as an SVG element: a section along the axis, with the caps that close the actuator below it.
+pub(super) fn mold_drawing(piece: &Piece, settings: &Settings) -> String {
     let (length_m, inner_m) = (piece.parameters.length_m, piece.parameters.inner_radius_m);
     let (bore_m, outer_m) = (piece.cast_radius_m, piece.parameters.outer_radius_m);
     let (shell_m, base_m) = (shell_radius_m(bore_m), base_radius_m(bore_m));
@@ -143,7 +148,7 @@ pub(super) fn mold_drawing(piece: &Piece) -> String {
     let (axis, begin) = (TOP + half, LEFT + HOLD_M * scale);
     let (long, end) = (length_m * scale, LEFT + whole_m * scale);
     let cap_top = axis + half + 106.0;
-    let cap_scale = (0.5 * ACROSS / outer_m).min(0.5 * ACROSS / (CAP_M + SPIGOT_M));
+    let cap_scale = (0.5 * ACROSS / outer_m).min(ACROSS / (NIPPLE_M + CAP_M + SPIGOT_M));
     let cap_axis = cap_top + outer_m * cap_scale;
     let height = (cap_axis + outer_m * cap_scale).max(cap_top + LINES) + 16.0;
     let mut svg = format!(
@@ -190,43 +195,72 @@ pub(super) fn mold_drawing(piece: &Piece) -> String {
     }
     let _ = writeln!(
         svg,
-        "<text class=\"start\" x=\"{LEFT}\" y=\"{:.1}\">cap, cut along its axis; that of the near end has a bore and a nipple for the hose</text>",
+        "<text class=\"start\" x=\"{LEFT}\" y=\"{:.1}\">caps, cut along their axes: of the far end, and of the near end with its air port</text>",
         cap_top - 12.0
     );
-    cap_section(&mut svg, piece, cap_axis, cap_scale);
+    cap_section(&mut svg, &cap_profile(piece), [LEFT, cap_axis], cap_scale);
+    let port_left = LEFT + (CAP_M + SPIGOT_M) * cap_scale + GAP;
+    let [hose_m, barb_m, port_m] = nipple_m(piece, settings);
+    cap_section(&mut svg, &port_profile(piece, settings), [port_left, cap_axis], cap_scale);
+    air_port(&mut svg, [barb_m, port_m], [port_left, cap_axis], cap_scale);
     let lines = [
         format!("core: diameter {} mm", mm(2.0 * inner_m)),
         format!("shells: bore {} mm, outer diameter {} mm", mm(2.0 * bore_m), mm(2.0 * shell_m)),
         format!("base: outer diameter {} mm, length {} mm", mm(2.0 * base_m), mm(HOLD_M + RECESS_M)),
         format!("base: bore {} mm for the core", mm(2.0 * (inner_m + FIT_M))),
         format!("base: recess {} mm by {} mm deep for the shells", mm(2.0 * (shell_m + FIT_M)), mm(RECESS_M)),
-        format!("cap: disk {} mm by {} mm", mm(2.0 * outer_m), mm(CAP_M)),
-        format!("cap: spigot {} mm by {} mm long", mm(2.0 * inner_m), mm(SPIGOT_M)),
+        format!("caps: disk {} mm by {} mm", mm(2.0 * outer_m), mm(CAP_M)),
+        format!("caps: spigot {} mm by {} mm long", mm(2.0 * inner_m), mm(SPIGOT_M)),
+        format!("air port: bore {} mm, through the cap", mm(2.0 * port_m)),
+        format!("air port: nipple {} mm by {} mm long", mm(2.0 * hose_m), mm(NIPPLE_M)),
     ];
+    let lines_left = port_left + (NIPPLE_M + CAP_M + SPIGOT_M) * cap_scale + 20.0;
     for (index, text) in lines.iter().enumerate() {
-        let (x, y) = (LEFT + ACROSS + 30.0, cap_top + 12.0 + 18.0 * index as f64);
+        let (x, y) = (lines_left, cap_top + 12.0 + 16.0 * index as f64);
         let _ = writeln!(svg, "<text class=\"start\" x=\"{x:.1}\" y=\"{y:.1}\">{text}</text>");
     }
     svg + "</svg>"
 }
 
-/// The cap along its axis.
-fn cap_section(svg: &mut String, piece: &Piece, axis: f64, scale: f64) {
-    let (outer, inner) = (piece.parameters.outer_radius_m * scale, piece.parameters.inner_radius_m * scale);
-    let (cap, spigot) = (CAP_M * scale, SPIGOT_M * scale);
-    let _ = writeln!(
-        svg,
-        "<path class=\"part\" d=\"M{LEFT} {:.2}h{cap:.2}v{:.2}h{spigot:.2}v{:.2}h{:.2}v{:.2}h{:.2}z\"/>\
-         <path class=\"center\" d=\"M{:.1} {axis:.2}h{:.1}\"/>",
-        axis - outer,
-        outer - inner,
-        2.0 * inner,
-        -spigot,
-        outer - inner,
-        -cap,
-        LEFT - 14.0,
-        cap + spigot + 28.0
-    );
+/// A cap along its axis, from its corners: radius and height, m. A bore is open.
+fn cap_section(svg: &mut String, profile: &[[f64; 2]], [left, axis]: [f64; 2], scale: f64) {
+    let low_m = profile.iter().map(|corner| corner[1]).fold(f64::INFINITY, f64::min);
+    let high_m = profile.iter().map(|corner| corner[1]).fold(f64::NEG_INFINITY, f64::max);
+    let bore = profile.iter().map(|corner| corner[0]).fold(f64::INFINITY, f64::min) * scale;
+    let long = (high_m - low_m) * scale;
+    let upper = profile.iter().copied();
+    let lower = profile.iter().rev().map(|[radius_m, height_m]| [-radius_m, *height_m]);
+    let mut outline = String::new();
+    for (index, [radius_m, height_m]) in upper.chain(lower).enumerate() {
+        let (x, y) = (left + (height_m - low_m) * scale, axis - radius_m * scale);
+        let _ = write!(outline, "{}{x:.2} {y:.2}", if index == 0 { 'M' } else { 'L' });
+    }
+    let _ = writeln!(svg, "<path class=\"part\" d=\"{outline}z\"/>");
+    if bore > 0.0 {
+        let (top, tall) = (axis - bore, 2.0 * bore);
+        let _ = writeln!(
+            svg,
+            "<rect class=\"chamber\" x=\"{left:.2}\" y=\"{top:.2}\" width=\"{long:.2}\" height=\"{tall:.2}\"/>"
+        );
+    }
+    let _ = writeln!(svg, "<path class=\"center\" d=\"M{:.1} {axis:.2}h{:.1}\"/>", left - 14.0, long + 28.0);
+}
+
+/// Words at the air port, above and below its nipple, with lines to the bore and the barb.
+fn air_port(svg: &mut String, [barb_m, bore_m]: [f64; 2], [left, axis]: [f64; 2], scale: f64) {
+    let (end, far) = (left + NIPPLE_M * scale - 6.0, barb_m * scale + 14.0);
+    let at = left + 0.2 * NIPPLE_M * scale;
+    let words = [("bore", bore_m, -1.0, 0.0), ("barb", barb_m, 1.0, 11.0)];
+    for (name, radius_m, side, drop) in words {
+        let (from, to) = (axis + side * radius_m * scale, axis + side * far);
+        let _ = writeln!(
+            svg,
+            "<path class=\"dimension\" d=\"M{at:.2} {from:.2}V{to:.2}\"/>\
+             <text class=\"end\" x=\"{end:.1}\" y=\"{:.1}\">{name} {} mm</text>",
+            to + 3.0 * side + drop,
+            mm(2.0 * radius_m)
+        );
+    }
 }
 
 /// The visible half of the threads of a hand, seen with the bending direction up.

@@ -106,8 +106,9 @@ struct Drawn<'a> {
 }
 
 /// The sheet of pieces as one HTML file with drawings that needs nothing beside it; each page begins on a sheet of paper of its own.
-pub fn html(sheet: &Sheet, pieces: &[Piece]) -> String {
-    let drawn = Drawn { sheet, drawings: pieces.iter().map(|piece| [drawing(piece), mold_drawing(piece)]).collect() };
+pub fn html(sheet: &Sheet, pieces: &[Piece], settings: &Settings) -> String {
+    let drawings = pieces.iter().map(|piece| [drawing(piece), mold_drawing(piece, settings)]).collect();
+    let drawn = Drawn { sheet, drawings };
     // The name of the template ends in .html: everything but the drawings is escaped.
     drawn.render().expect("a page is written to memory")
 }

@@ -61,7 +61,7 @@ fn sheet_has_both_windings() {
     let sheet = sheet("rod", std::slice::from_ref(&piece), &settings, |_| Vec::new());
     let titles: Vec<&str> = sheet.pages[0].tables.iter().map(|table| table.title.as_str()).collect();
     assert!(titles.contains(&"Winding") && titles.contains(&"Second winding"), "{titles:?}");
-    let page = html(&sheet, &[piece]);
+    let page = html(&sheet, &[piece], &settings);
     assert_eq!(page.matches("<path class=\"thread\"").count(), 2);
 }
 

@@ -72,7 +72,7 @@ fn sheet_states_the_place_of_each_segment() {
     }
     assert_eq!(text.matches("Strain-limiting layer").count(), 1);
     assert_eq!(text.matches("### Ends").count(), 1);
-    assert!(html(&sheet, &pieces).contains("one core of 200 mm through all segments"));
+    assert!(html(&sheet, &pieces, &Settings::default()).contains("one core of 200 mm through all segments"));
 }
 
 #[test]

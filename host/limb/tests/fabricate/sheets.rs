@@ -38,18 +38,22 @@ fn numbers_are_those_of_the_geometry() {
     assert_eq!(value(page, "chamber at rest"), format!("{:.3} mL", PI * 6.0));
     let cover = PI * (14.0_f64.powi(2) - 13.15_f64.powi(2)) * 60.0 * 1e-3;
     assert_eq!(value(page, "second cast"), format!("{cover:.3} mL"));
-    for text in [markdown(&sheet), html(&sheet, &pieces)] {
+    for text in [markdown(&sheet), html(&sheet, &pieces, &settings)] {
         for row in page.tables.iter().flat_map(|table| &table.rows) {
             assert!(text.contains(&row.what) && text.contains(&row.value), "{row:?} is missing");
         }
         assert!(text.contains("tube-core.stl"));
     }
-    let page = html(&sheet, &pieces);
+    let page = html(&sheet, &pieces, &settings);
     let dimensions = [
         "length at rest 60 mm",
         "outer diameter 28 mm",
         "thread on diameter 26 mm",
         "chamber diameter 20 mm; wall 4 mm",
+        // Of a hose of 3 mm.
+        "air port: bore 1.65 mm, through the cap",
+        "air port: nipple 3 mm by 10 mm long",
+        "barb 3.45 mm",
     ];
     assert!(dimensions.iter().all(|text| page.contains(text)), "{page}");
     // 560 px for 60 mm would be 261 px high: the diameter sets the scale, 150 px for 28 mm. A thread is 1 mm below the surface.
@@ -106,7 +110,7 @@ fn bending_actuator_says_where_its_layer_lies() {
     assert_eq!(elbow.copies.iter().map(|copy| copy.channel).collect::<Vec<_>>(), [3, 4, 5]);
     assert!(sheet.pages[0].tables.iter().all(|table| table.title != "Strain-limiting layer"));
     // Drawn along the actuator and across it, and named once.
-    let text = html(&sheet, &pieces);
+    let text = html(&sheet, &pieces, &settings);
     let drawn = text.split("<section>").skip(1).map(|page| {
         [page.matches("<path class=\"layer\"").count(), page.matches("strain-limiting layer, on the side").count()]
     });

@@ -141,10 +141,14 @@ pub fn base(piece: &Piece, bore_m: f64, chord_m: f64) -> Mesh {
 
 /// The cap of the far end: a disk of the actuator's radius, with a spigot that is glued into the chamber.
 pub fn cap(piece: &Piece, chord_m: f64) -> Mesh {
+    turned(&cap_profile(piece), chord_m)
+}
+
+/// Corners of that cap: radius and height, m.
+pub(super) fn cap_profile(piece: &Piece) -> [[f64; 2]; 6] {
     let (inner_m, outer_m) = (piece.parameters.inner_radius_m, piece.parameters.outer_radius_m);
     let top_m = CAP_M + SPIGOT_M;
-    let profile = [[0.0, 0.0], [outer_m, 0.0], [outer_m, CAP_M], [inner_m, CAP_M], [inner_m, top_m], [0.0, top_m]];
-    turned(&profile, chord_m)
+    [[0.0, 0.0], [outer_m, 0.0], [outer_m, CAP_M], [inner_m, CAP_M], [inner_m, top_m], [0.0, top_m]]
 }
 
 /// Inner diameter of the hose, m.
@@ -163,8 +167,8 @@ pub fn nipple_m(piece: &Piece, settings: &Settings) -> [f64; 3] {
 /// # Errors
 /// [`OutOfRange`] for `hose_m` where the barb is wider than the chamber.
 pub fn port(piece: &Piece, settings: &Settings) -> Result<Mesh, OutOfRange> {
-    let [nipple_m, barb_m, bore_m] = nipple_m(piece, settings);
-    let (inner_m, outer_m) = (piece.parameters.inner_radius_m, piece.parameters.outer_radius_m);
+    let barb_m = nipple_m(piece, settings)[1];
+    let inner_m = piece.parameters.inner_radius_m;
     let most_m = 2.0 * inner_m / BARB;
     require(
         barb_m < inner_m,
@@ -172,7 +176,14 @@ pub fn port(piece: &Piece, settings: &Settings) -> Result<Mesh, OutOfRange> {
         hose_m(piece, settings),
         format!("below {most_m:.5} for the chamber of `{}`", piece.name),
     )?;
-    let profile = [
+    Ok(turned(&port_profile(piece, settings), settings.chord_m))
+}
+
+/// Corners of that cap: radius and height, m.
+pub(super) fn port_profile(piece: &Piece, settings: &Settings) -> [[f64; 2]; 10] {
+    let [nipple_m, barb_m, bore_m] = nipple_m(piece, settings);
+    let (inner_m, outer_m) = (piece.parameters.inner_radius_m, piece.parameters.outer_radius_m);
+    [
         [bore_m, -NIPPLE_M],
         [nipple_m, -NIPPLE_M],
         [barb_m, -0.8 * NIPPLE_M],
@@ -183,8 +194,7 @@ pub fn port(piece: &Piece, settings: &Settings) -> Result<Mesh, OutOfRange> {
         [inner_m, CAP_M],
         [inner_m, CAP_M + SPIGOT_M],
         [bore_m, CAP_M + SPIGOT_M],
-    ];
-    Ok(turned(&profile, settings.chord_m))
+    ]
 }
 
 /// The plate at each end of a module, with a socket for each actuator and a hole for its hose. Actuators that stand too close have no sockets.
