@@ -407,8 +407,11 @@ fn tip_beyond_its_tolerance_or_its_region_is_a_miss() {
     carried.info.simulated = true;
     let expected = "The limb missed its goal in “grasp”, but bottle was still carried: a simulated gripper takes its object wherever it closes.";
     assert_eq!(verdict(&carried)[1], expected);
+    let told = |run: &RunLog| html(run).matches("takes its object wherever it closes").count();
+    assert_eq!(told(&carried), 1);
     carried.info.carried[0].from_s = 3.0;
     assert!(!verdict(&carried).iter().any(|text| text.contains("still carried")), "taken where the goal was hit");
+    assert_eq!(told(&carried), 1, "below the table of phases");
 
     // Within a region the tip may be far from its setpoint.
     let mut within = off.clone();

@@ -17,6 +17,8 @@ pub(super) struct Verdict {
     pub(super) sentences: Vec<String>,
     /// Whether a goal was missed, a fault reported, or an obstacle touched.
     pub(super) alarming: bool,
+    /// Whether a sentence says that a simulated gripper takes its object anywhere.
+    pub(super) has_grasp: bool,
 }
 
 /// One answer.
@@ -108,8 +110,9 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
         .then(|| "The run is weightless: the simulated limb carries neither its own weight nor a payload.".to_owned());
     let is_off = !off_goal.is_empty() || !summary.misses.is_empty();
     let alarming = is_close || is_off || unfinished.is_some() || !summary.faults.is_empty();
+    let has_grasp = grasp.is_some();
     let sentences = [Some(headline), grasp, before, reason, clearance, faults, weightless];
-    Verdict { sentences: sentences.into_iter().flatten().map(|text| unbroken(&text)).collect(), alarming }
+    Verdict { sentences: sentences.into_iter().flatten().map(|text| unbroken(&text)).collect(), alarming, has_grasp }
 }
 
 /// Picks whose goal was missed and whose object was carried on.
