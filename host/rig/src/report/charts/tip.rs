@@ -73,7 +73,7 @@ fn solid_names(log: &RunLog, seen: impl Fn(&[f64; 3]) -> [f64; 2]) -> Vec<Note> 
         let points = solid.lines_m.iter().flatten().map(&seen);
         let points = points.filter(|point| point.iter().all(|value| value.is_finite()));
         let at = points.max_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])))?;
-        Some(Note { at, text: solid.name.clone() })
+        Some(Note { at, text: solid.name.clone(), meaning: String::new() })
     };
     log.info.solids.iter().filter_map(note).collect()
 }
@@ -203,7 +203,7 @@ fn notes(ends: impl Iterator<Item = (usize, [f64; 2])>, near_mm: f64) -> Vec<Not
         let same = |note: &&mut Note| (note.at[0] - at[0]).hypot(note.at[1] - at[1]) < near_mm;
         match notes.iter_mut().find(same) {
             Some(note) => note.text.push_str(&format!(", {number}")),
-            None => notes.push(Note { at, text: number.to_string() }),
+            None => notes.push(Note { at, text: number.to_string(), meaning: String::new() }),
         }
     }
     notes

@@ -22,7 +22,9 @@ const Plots = (() => {
       Object.assign(this, { described, all, shown: false, drawn: false });
       this.box = made("section", "panel", parent);
       made("h3", "", this.box).textContent = described.title;
-      made("p", "axis", this.box).textContent = described.axis;
+      const axis = made("p", "axis", this.box);
+      made("span", "", axis).textContent = described.axis;
+      made("span", "", axis).textContent = "at the cursor";
       this.frame = made("div", "frame", this.box);
       this.plot = made("div", "plot", this.frame);
       this.cursor = made("div", "cursor", this.frame);
