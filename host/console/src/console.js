@@ -244,8 +244,8 @@
     }
   }
 
-  // Whether the device has named the channel in a fault; the text of each ends with its channel.
-  const faulted = (channel) => ((view && view.faults) || []).some((text) => new RegExp(`\\bchannel ${channel}\\b`).test(text));
+  // Whether the device has named the channel in a fault.
+  const faulted = (channel) => ((view && view.faults) || []).some((fault) => fault.channel === channel);
   const shown = (element, text) => { element.textContent = text; element.hidden = !text; };
   function show() {
     const live = view && view.session === "live";
@@ -284,7 +284,7 @@
       }
     }
     for (const button of by_id("moves").querySelectorAll("button")) button.disabled = !can_move();
-    const faults = (view && view.faults) || [];
+    const faults = ((view && view.faults) || []).map((fault) => fault.text);
     const list = by_id("faults");
     // A session may stop without a fault of the device: its cause is the message.
     const texts = faults.length ? faults : [view && view.message ? "none reported by the device" : "none"];

@@ -242,6 +242,11 @@ impl FaultRecord {
     pub(crate) const LEFT_BEHIND: u8 = 244;
     /// Code of a part that the operator breaks on purpose.
     pub(crate) const ON_PURPOSE: u8 = 245;
+
+    /// Channel that the device has named; `None` for the whole system, and for a part broken on purpose.
+    pub fn reported_channel(&self) -> Option<u8> {
+        (self.channel != u8::MAX && self.code != Self::ON_PURPOSE).then_some(self.channel)
+    }
 }
 
 /// The backbone of the limb at one instant, base to tip.

@@ -70,10 +70,19 @@ pub struct JogView<'v, 'a> {
     pub posture: Option<&'v Posture>,
     /// State of the device.
     pub state: Option<DeviceState>,
-    /// Faults so far, in words.
-    pub faults: &'v [String],
+    /// Faults so far.
+    pub faults: &'v [SeenFault],
     /// Whether the limb is vented, and waits for [`Press::Resume`].
     pub is_vented: bool,
+}
+
+/// A fault as the operator sees it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SeenFault {
+    /// The fault in words.
+    pub text: String,
+    /// Channel that the device has named; `None` for the whole system, and for a part broken on purpose.
+    pub channel: Option<u8>,
 }
 
 /// Settings of a session by hand.
@@ -192,15 +201,19 @@ fn by_hand<D: Bench>(
                 for (name, channel) in std::mem::take(&mut desk.breaks) {
                     let fault = TimedFault::now(&name, channel).map_err(|error| error.to_string());
                     let broken = fault.and_then(|fault| device.break_now(fault.clone()).map(|()| fault.injected()));
-                    desk.faults.push(match &broken {
+                    let text = match &broken {
                         Ok(fault) => on_purpose(fault),
                         Err(reason) => format!("{name} is refused: {reason}"),
-                    });
+                    };
+                    desk.faults.push(SeenFault { text, channel: None });
                     broken.into_iter().for_each(|fault| observer.on_purpose(fault));
                 }
                 match &event {
                     Event::State(state) => desk.state = Some(*state),
-                    Event::Fault { message, .. } => desk.faults.push(DeviceFault::from(message).to_string()),
+                    Event::Fault { message, .. } => {
+                        let fault = DeviceFault::from(message);
+                        desk.faults.push(SeenFault { text: fault.to_string(), channel: fault.channel });
+                    }
                     _ => {}
                 }
                 observer.take(device, event);
@@ -237,7 +250,7 @@ struct Desk {
     body: Option<Body>,
     posture: Option<Posture>,
     state: Option<DeviceState>,
-    faults: Vec<String>,
+    faults: Vec<SeenFault>,
     /// Faults to inject at the next event.
     breaks: Vec<(String, Option<usize>)>,
 }

@@ -45,7 +45,7 @@ use softlimb_scene::Scene;
 use assemble::run_info;
 use disturbed::disturbed;
 pub use error::RunError;
-pub use jogged::{JogDevice, JogOptions, JogView, Operator, Press, attempts, jog, jog_behind, jog_folder};
+pub use jogged::{JogDevice, JogOptions, JogView, Operator, Press, SeenFault, attempts, jog, jog_behind, jog_folder};
 pub use listening::{Heard, record_behind};
 use observed::Observed;
 pub(crate) use prepared::Prepared;

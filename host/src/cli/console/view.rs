@@ -8,7 +8,7 @@ use softlimb_motion::jog::{SPEEDS, STEPS, TaskProgress};
 use softlimb_rig::link::{LinkError, VentOutcome, code_name};
 use softlimb_rig::record::{ChannelSample, FaultRecord, SolidInfo};
 use softlimb_rig::run;
-use softlimb_rig::run::{JogView, TimedFault};
+use softlimb_rig::run::{JogView, SeenFault, TimedFault};
 use softlimb_scene::{LinkLoss, Scene};
 
 /// The scene: it does not change during a session.
@@ -98,13 +98,20 @@ pub(super) struct View {
     /// Distance from the nearest obstacle, m, and its name.
     nearest: Option<(f64, String)>,
     carried: Option<Carried>,
-    faults: Vec<String>,
+    faults: Vec<Reported>,
     refusal: Option<String>,
     gripping: bool,
     moving: bool,
     task: Option<Task>,
     target: Option<String>,
     next: Option<NextTarget>,
+}
+
+/// A fault, and the channel that the device has named.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub(super) struct Reported {
+    text: String,
+    channel: Option<u8>,
 }
 
 /// The next target of the scene in space.
@@ -136,7 +143,7 @@ impl View {
     }
 
     /// The session has ended; its faults stay until the next one.
-    pub(super) fn ended((message, after): (String, String), report: bool, faults: Vec<String>) -> Self {
+    pub(super) fn ended((message, after): (String, String), report: bool, faults: Vec<Reported>) -> Self {
         Self { message, after, report, faults, ..Self::between("idle") }
     }
 
@@ -166,7 +173,7 @@ impl View {
                 above_m: object.height_m - object.grasp_m,
                 below_m: object.grasp_m,
             }),
-            faults: view.faults.to_vec(),
+            faults: view.faults.iter().map(reported).collect(),
             refusal: view.jog.refusal().map(ToString::to_string),
             gripping: view.jog.is_gripping(),
             moving: view.jog.is_moving(),
@@ -178,11 +185,16 @@ impl View {
     }
 }
 
+fn reported(fault: &SeenFault) -> Reported {
+    Reported { text: fault.text.clone(), channel: fault.channel }
+}
+
 /// A recorded fault in the words of a session, with its channel.
-pub(super) fn worded(fault: &FaultRecord) -> String {
+pub(super) fn worded(fault: &FaultRecord) -> Reported {
     let FaultRecord { text, channel, .. } = fault;
     let is_known = *channel == u8::MAX || text.contains("on channel");
-    if is_known { text.clone() } else { format!("{text}, on channel {channel}") }
+    let text = if is_known { text.clone() } else { format!("{text}, on channel {channel}") };
+    Reported { text, channel: fault.reported_channel() }
 }
 
 /// The pressures after a stop, and the next step of the operator.
@@ -246,13 +258,22 @@ mod tests {
     #[test]
     fn faults_of_an_ended_session_are_shown_with_their_channels() {
         let fault =
-            |channel, text: &str| FaultRecord { time_s: 1.0, channel, code: 1, value: 0, text: text.to_owned() };
-        let faults = [fault(2, "over-pressure on channel 2"), fault(3, "leak, on purpose"), fault(0xFF, "supply low")];
+            |channel, code, text: &str| FaultRecord { time_s: 1.0, channel, code, value: 0, text: text.to_owned() };
+        // The code of a part broken on purpose: no device has reported it.
+        let faults = [
+            fault(2, 1, "over-pressure on channel 2"),
+            fault(3, 245, "leak, on purpose"),
+            fault(0xFF, 1, "supply low"),
+        ];
         let view =
             View::ended(("the device stopped".into(), "Arm starts".into()), true, faults.iter().map(worded).collect());
         let shown = serde_json::to_value(view).expect("JSON");
-        let expected = ["over-pressure on channel 2", "leak, on purpose, on channel 3", "supply low"];
-        assert_eq!(shown["faults"], serde_json::json!(expected));
+        let expected = serde_json::json!([
+            { "text": "over-pressure on channel 2", "channel": 2 },
+            { "text": "leak, on purpose, on channel 3", "channel": null },
+            { "text": "supply low", "channel": null },
+        ]);
+        assert_eq!(shown["faults"], expected);
         assert_eq!((&shown["session"], &shown["message"]), (&"idle".into(), &"the device stopped".into()));
         assert_eq!(shown["after"], "Arm starts");
     }

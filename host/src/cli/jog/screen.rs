@@ -31,7 +31,7 @@ pub(super) fn lines(head: &Head<'_>, view: &JogView<'_, '_>) -> Vec<String> {
         None if view.is_vented => "vented: Enter goes on from rest".to_owned(),
         None => String::new(),
     });
-    lines.extend(view.faults.iter().rev().take(FAULTS).map(|fault| format!("fault: {fault}")));
+    lines.extend(view.faults.iter().rev().take(FAULTS).map(|fault| format!("fault: {}", fault.text)));
     lines.push(String::new());
     lines.extend(HELP.map(str::to_owned));
     lines
