@@ -3,11 +3,10 @@
 #[path = "browser/driver.rs"]
 mod driver;
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use driver::browser;
+use driver::{browser, in_browsers, script};
 use softlimb_rig::record::RunLog;
 use softlimb_rig::report;
 use softlimb_rig::run::{Mcu, RunOptions, run};
@@ -78,19 +77,10 @@ fn reports_are_read_in_a_browser() {
         page("pick-and-place-a.html", &carried),
         page("five-minutes.html", &long(&post)),
     ];
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser/report.py");
-    let mut command = Command::new("python3");
-    command.arg(script).arg(browser).args(&pages);
-    // Pictures of every page, width and scheme, for eyes.
-    if let Some(pictures) = std::env::var_os("SOFTLIMB_PICTURES") {
-        command.arg("--pictures").arg(PathBuf::from(pictures));
+    for page in pages {
+        in_browsers(|more| {
+            let mut command = script("report.py", browser);
+            (command.arg(&page).args(more).output().unwrap(), String::new())
+        });
     }
-    let mut output = command.output().unwrap();
-    // Chromium 156 sometimes draws one frame a second until the alarm ends the script. A second browser is tried then.
-    if output.status.code().is_none() {
-        output = command.output().unwrap();
-    }
-    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{text}");
-    print!("{text}");
 }

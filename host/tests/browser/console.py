@@ -13,12 +13,10 @@ import urllib.parse
 from playwright.sync_api import sync_playwright
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "rig" / "tests" / "browser"))
-from checks import CONTRAST, SCHEMES, TEXTS, WIDTHS, SlowBrowser, asked, keep_pace, launched  # noqa: E402
+from checks import CONTRAST, SCHEMES, SLOW, TEXTS, WIDTHS, SlowBrowser, asked, keep_pace, launched  # noqa: E402
 
 # Time after which a browser that hangs ends the test, s.
 LIMIT_S = 240
-# Exit code of a browser that draws about one frame a second, or none.
-SLOW = 3
 # A gamepad whose stick the test moves.
 GAMEPAD = """
 window.pad = { connected: true, axes: [0, 0, 0, 0], buttons: [{ pressed: false }, { pressed: false }] };
@@ -283,7 +281,7 @@ def use(browser, options, pages, wrong):
 
 
 def main():
-    options = asked(LIMIT_S, url={}, **{"--must-keep-pace": {"action": "store_true"}})
+    options = asked(LIMIT_S, url={})
     wrong = []
     with sync_playwright() as playwright:
         browser = launched(playwright, options.browser)

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::cli::console::driver::browser;
+use crate::cli::console::driver::{browser, script};
 use crate::cli::desk::Desk;
 
 /// Commands that draw, with the files that they draw; `~` is a space in a word.
@@ -37,14 +37,7 @@ fn pictures_are_legible_in_a_browser() {
     }
     let evidence = std::fs::read_dir(repository.join("docs/evidence")).unwrap().map(|entry| entry.unwrap().path());
     files.extend(evidence.filter(|file| file.extension().is_some_and(|name| name == "svg")));
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser/pictures.py");
-    let mut command = Command::new("python3");
-    command.arg(script).arg(browser).args(&files);
-    // Pictures at every width and scheme, for eyes.
-    if let Some(pictures) = std::env::var_os("SOFTLIMB_PICTURES") {
-        command.arg("--pictures").arg(PathBuf::from(pictures));
-    }
-    let output = command.output().unwrap();
+    let output = script("pictures.py", browser).args(&files).output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{text}");
 }

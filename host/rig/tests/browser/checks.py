@@ -78,8 +78,6 @@ CONTRAST = r"""
 """
 
 
-# Browsers to try: Chromium 156 sometimes draws one frame a second, or none, until it ends.
-BROWSERS = 4
 # Milliseconds that three frames take, each counted as a second at most.
 PACE = r"""
 async () => {
@@ -91,6 +89,8 @@ async () => {
 }
 """
 SLOWEST_PACE_MS = 2000
+# Exit code of a script for such a browser.
+SLOW = 3
 
 
 class SlowBrowser(Exception):
@@ -111,6 +111,7 @@ def asked(limit_s, **what):
     for name, form in what.items():
         parser.add_argument(name, **form)
     parser.add_argument("--pictures", type=pathlib.Path)
+    parser.add_argument("--must-keep-pace", action="store_true")
     options = parser.parse_args()
     signal.alarm(limit_s)
     if options.pictures:

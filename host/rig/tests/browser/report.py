@@ -1,15 +1,16 @@
-"""Opens reports in a browser and uses them as a reader would.
+"""Opens a report in a browser and uses it as a reader would.
 
-    python3 report.py BROWSER PAGE [--pictures FOLDER]
+    python3 report.py BROWSER PAGE [--must-keep-pace] [--pictures FOLDER]
 
-Prints one line for each thing that is wrong, and figures of the updates. Ends with 1 where something is wrong.
+Prints one line for each thing that is wrong, and figures of the updates. Ends with 1 where something is wrong, and with 3
+where the browser must keep pace and does not.
 """
 
 import pathlib
 import re
 import sys
 
-from checks import BROWSERS, CONTRAST, SCHEMES, TEXTS, WIDTHS, SlowBrowser, asked, keep_pace, launched
+from checks import CONTRAST, SCHEMES, SLOW, TEXTS, WIDTHS, SlowBrowser, asked, keep_pace, launched
 from playwright.sync_api import sync_playwright
 
 # Time after which a browser that hangs ends the test, s.
@@ -263,24 +264,15 @@ def read(page, file, pictures, must_keep_pace):
 
 
 def main():
-    options = asked(LIMIT_S, pages={"nargs": "+", "type": pathlib.Path})
-    wrong = []
+    options = asked(LIMIT_S, page={"type": pathlib.Path})
     with sync_playwright() as playwright:
         browser = launched(playwright, options.browser)
-        spare = BROWSERS - 1
-        pages = list(options.pages)
-        while pages:
-            page = browser.new_page(viewport={"width": 1280, "height": 900}, color_scheme="light")
-            try:
-                # The last browser may be slow: on busy cores all of them are.
-                wrong += read(page, pages[0], options.pictures, spare > 0)
-                del pages[0]
-                page.close()
-            except SlowBrowser as slow:
-                print(f"a browser is begun anew: {slow}")
-                browser.close()
-                spare -= 1
-                browser = launched(playwright, options.browser)
+        page = browser.new_page(viewport={"width": 1280, "height": 900}, color_scheme="light")
+        try:
+            wrong = read(page, options.page, options.pictures, options.must_keep_pace)
+        except SlowBrowser as slow:
+            print(slow)
+            sys.exit(SLOW)
         browser.close()
     print("\n".join(wrong))
     sys.exit(bool(wrong))
