@@ -3,7 +3,7 @@
 //! The page is made by `cargo xtask lab measured --svg docs/evidence/measured.svg --page docs/evidence/measured.md`.
 
 use softlimb_lab::generated_section::replaced;
-use softlimb_lab::measured::{PLACE, STATED_PA, Set, page, sets};
+use softlimb_lab::measured::{PLACE, STATED_PA, Set, page, picture, sets};
 
 fn set(sets: &[Set], angle_deg: f64) -> &Set {
     sets.iter().find(|set| set.angle_deg == angle_deg && set.length_m == 0.18).expect("a set")
@@ -25,9 +25,13 @@ fn benders_near_the_hoop_are_predicted_with_nothing_fitted() {
 }
 
 #[test]
-fn page_shows_the_comparison() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/evidence/measured.md");
-    let document = std::fs::read_to_string(file).unwrap();
-    let now = page(&sets().unwrap()).unwrap();
+fn page_and_picture_show_the_comparison() {
+    let read = |name: &str| {
+        let file = format!("{}/../../docs/evidence/{name}", env!("CARGO_MANIFEST_DIR"));
+        std::fs::read_to_string(&file).expect(&file)
+    };
+    let (sets, document) = (sets().unwrap(), read("measured.md"));
+    let now = page(&sets).unwrap();
     assert_eq!(replaced(&document, PLACE, &now).as_deref(), Some(document.as_str()), "see the head of this test");
+    assert!(picture(&sets) == read("measured.svg"), "docs/evidence/measured.svg is not of the comparison");
 }

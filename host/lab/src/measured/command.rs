@@ -80,7 +80,7 @@ fn tsv(sets: &[Set]) -> String {
 }
 
 /// A chart for each set with more than one pressure.
-fn picture(sets: &[Set]) -> String {
+pub fn picture(sets: &[Set]) -> String {
     let charts = sets.iter().filter(|set| set.rows.len() > 1).map(chart).collect();
     sheet(&[charts], ROOM, CAPTION)
 }

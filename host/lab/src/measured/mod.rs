@@ -9,6 +9,7 @@ use softlimb_fea::cross_section::{BEND_TOLERANCE, EndLoad, Options, Section, ana
 use softlimb_files::table::{Known, Table, TableError};
 
 pub(crate) use command::Measured;
+pub use command::picture;
 pub use page::{PLACE, page};
 
 /// The readings. Their source is in the file's comments.
