@@ -1,6 +1,6 @@
 //! The picture: steps and a trajectory on the nominal plant, and the errors on the others.
 
-use softlimb_chart::{Axis, Chart, Color, Series, Stroke, Ticks, sheet, span};
+use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, Ticks, sheet, span, steps};
 
 use super::program::{STEP_S, STEPS_S, TRAJECTORY_S, knots_pa, reference_pa};
 use super::{Group, Method, Moment, Trial};
@@ -16,6 +16,9 @@ const CAPTION: &str =
 
 /// Distance of two lanes of the errors over time, kPa.
 const LANE_KPA: f64 = 5.0;
+
+/// Height of a lane's words above its line, kPa: beyond its noise.
+const WORDS_KPA: f64 = 1.5;
 
 /// Ticks between two drawn points.
 const EVERY: usize = 5;
@@ -73,6 +76,14 @@ fn errors_over_time(trial: &Trial, title: &str, range: [f64; 2]) -> Chart {
     let label = format!("error, kPa: 0 on each line, {LANE_KPA} kPa apart");
     let mut chart = chart(title, ["time, s", &label], series.collect());
     chart.area = LANES_AREA;
+    let figures = trial.figures.iter().flatten().enumerate();
+    chart.notes = figures
+        .map(|(channel, figures)| Note {
+            at: [range[0], in_lane(channel, WORDS_KPA)],
+            text: format!("RMS {:.2} kPa", 1e-3 * figures.trajectory_pa[0]),
+            meaning: String::new(),
+        })
+        .collect();
     chart.y.ticks = Ticks::Names((0..count).rev().map(name).collect());
     chart
 }
@@ -88,8 +99,8 @@ fn sorted(trials: &[&Trial], title: &str, label: &str, value: fn(&super::Figures
         let mut values: Vec<f64> =
             trials.iter().filter_map(|trial| Some(value(&trial.figures.as_ref()?[channel]))).collect();
         values.sort_by(f64::total_cmp);
-        let points = (1..).zip(values).map(|(count, value)| [value, f64::from(count)]).collect();
-        Series { label: name(channel), color: Color::nth(channel), stroke: Stroke::Solid, points }
+        let points: Vec<_> = (1..).zip(values).map(|(count, value)| [value, f64::from(count)]).collect();
+        Series { label: name(channel), color: Color::nth(channel), stroke: Stroke::Solid, points: steps(&points) }
     });
     chart(title, [label, "plants with a smaller error"], series.collect())
 }
