@@ -70,7 +70,7 @@ fn ends_and_solves_of_a_comparison_are_those_of_the_answer() {
     assert_eq!((&ours["solved"], &swarm["solved"]), (&Value::from(1), &Value::from(0)));
 }
 
-/// The lines of the published picture: later points are neither further left nor higher. Down is positive.
+/// The lines of the published picture: each piece goes right or down, but where steps are finer than a pixel. Down is positive.
 #[test]
 fn least_objectives_of_the_picture_never_rise() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/evidence/design-comparison.svg");
@@ -80,7 +80,11 @@ fn least_objectives_of_the_picture_never_rise() {
     for line in picture.lines().filter(|line| line.contains(" solid\"") && line.contains('L')) {
         let path = line.split(" d=\"M").nth(1).and_then(|rest| rest.split('"').next()).expect("a path");
         let points: Vec<Vec<f64>> = path.split('L').map(place).collect();
-        assert!(points.windows(2).all(|pair| pair[0][0] <= pair[1][0] && pair[0][1] <= pair[1][1]), "{line}");
+        let is_step = |pair: &[Vec<f64>]| {
+            let [across, down] = [0, 1].map(|axis| pair[1][axis] - pair[0][axis]);
+            (0.0..3.0).contains(&across.min(down))
+        };
+        assert!(points.windows(2).all(is_step), "{line}");
         lines += 1;
     }
     assert!(lines > 100, "{lines} lines");

@@ -1,7 +1,7 @@
 //! The comparison as a picture: a row for each group, against model solves and against time.
 
 use super::{Comparison, Method, Point};
-use softlimb_chart::{Axis, Chart, Color, Series, Stroke, Ticks, sheet, span};
+use softlimb_chart::{Axis, Chart, Color, Series, Stroke, Ticks, sheet, span, steps};
 use softlimb_design::actuators::kinds::Kind;
 
 /// Area of one chart, px, and its width with its frame.
@@ -53,7 +53,7 @@ fn chart(comparison: &Comparison, (group, title): (&str, String), label: &str, c
             let points: Vec<_> = run.points.iter().map(&mut place).collect();
             // The last one by itself: a run that has one point only would be no line.
             let end = points.last().copied().into_iter().collect();
-            series.push(Series { label, color, stroke: Stroke::Solid, points });
+            series.push(Series { label, color, stroke: Stroke::Solid, points: steps(&points) });
             series.push(Series { label: String::new(), color, stroke: Stroke::Dots, points: end });
         }
     }
