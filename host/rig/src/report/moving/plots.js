@@ -5,6 +5,7 @@ const Plots = (() => {
   const MARGIN = { l: 54, r: 112, t: 6, b: 24 };
   const LETTER_PX = 6.5;
   const LABEL_PX = 15;
+  const TICK_PX = 40;
 
   const made = (tag, name, parent) => {
     const element = document.createElement(tag);
@@ -86,15 +87,17 @@ const Plots = (() => {
       const { theme, range, width } = this.all;
       const axis = {
         color: theme.soft, gridcolor: theme.grid, linecolor: theme.grid, zeroline: false, gridwidth: 0.75,
-        tickfont: { size: 12, color: theme.soft }, nticks: 7,
+        tickfont: { size: 12, color: theme.soft },
       };
+      // Labels of times turn, and are cut off, where they have no room beside each other.
+      const times = Math.max(2, Math.min(7, Math.floor((width(this.frame) - MARGIN.l - MARGIN.r) / TICK_PX)));
       return {
         width: width(this.frame), height: this.described.traces.length > 3 ? 230 : 200, margin: MARGIN,
         paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
         font: { family: 'system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif', size: 12, color: theme.ink },
         showlegend: false, hovermode: "x unified", hoverdistance: 30, dragmode: "zoom",
         hoverlabel: { bgcolor: theme.page, bordercolor: theme.grid, font: { size: 12, color: theme.ink } },
-        xaxis: { ...axis, range: [...range], ticksuffix: " s", hoverformat: ".2f", showspikes: true, spikemode: "across", spikethickness: 1, spikedash: "dot", spikecolor: theme.soft },
+        xaxis: { ...axis, range: [...range], nticks: times, tickangle: 0, ticksuffix: " s", hoverformat: ".2f", showspikes: true, spikemode: "across", spikethickness: 1, spikedash: "dot", spikecolor: theme.soft },
         yaxis: { ...axis, range: [...this.span], fixedrange: true, automargin: false, nticks: 6 },
         shapes: this.shapes(),
       };
