@@ -56,6 +56,8 @@ pub struct TickInputs<const N: usize = MAX_CHANNELS> {
     pub pressure: [AdcCode; N],
     /// Sample of the supply sensor.
     pub supply: AdcCode,
+    /// Sample of the voltage of the valves' supply; any where the board does not sense it.
+    pub valve_supply: AdcCode,
     /// The emergency stop is pressed.
     pub emergency_stop: bool,
 }
@@ -93,6 +95,8 @@ pub struct Controller<const N: usize = MAX_CHANNELS> {
     pub(crate) channels: Vec<Channel, N>,
     pub(crate) zeros: Zeros,
     pub(crate) supply: Sensor,
+    /// Voltage of the valves' supply, mV.
+    pub(crate) valve_supply_mv: u16,
     pub(crate) queue: KnotQueue<N>,
     pub(crate) start_us: Option<u64>,
     /// Digital outputs: a knot or a request switches them, no state and no fault does. Off from the start of the device on.
@@ -111,6 +115,7 @@ pub struct Controller<const N: usize = MAX_CHANNELS> {
     pub(crate) ticks: TickWatch,
     pub(crate) supply_low: Lasting,
     pub(crate) supply_high: Lasting,
+    pub(crate) valve_supply_low: Lasting,
     pub(crate) tick_count: u32,
     pub(crate) telemetry_due_us: u64,
     pub(crate) sampling: Sampling,
@@ -135,6 +140,7 @@ impl<const N: usize> Controller<N> {
             channels: Vec::new(),
             zeros: Zeros::Unknown,
             supply: Sensor::new(),
+            valve_supply_mv: 0,
             queue: KnotQueue::new(),
             start_us: None,
             outputs: Outputs::from_bits(0),
@@ -151,6 +157,7 @@ impl<const N: usize> Controller<N> {
             ticks: TickWatch::new(),
             supply_low: Lasting::new(),
             supply_high: Lasting::new(),
+            valve_supply_low: Lasting::new(),
             tick_count: 0,
             telemetry_due_us: 0,
             sampling: Sampling::new(),
@@ -252,6 +259,7 @@ impl<const N: usize> Controller<N> {
     fn sense(&mut self, inputs: &TickInputs<N>) {
         let Some(config) = &self.config else { return };
         self.supply.sample(&config.system.supply_sensor, inputs.supply);
+        self.valve_supply_mv = config.system.valve_supply.millivolts(inputs.valve_supply);
         let context =
             TickContext { now_us: inputs.now_us, system: &config.system, supply_pa: self.supply.pressure_pa() };
         for ((channel, _), &code) in self.channels.iter_mut().zip(&config.channels).zip(&inputs.pressure) {

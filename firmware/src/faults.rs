@@ -37,13 +37,14 @@ pub const fn reaction(code: FaultCode) -> Reaction {
     let (latches, cuts_supply, vents) = match code {
         FaultCode::EmergencyStop => (true, true, VentScope::All),
         FaultCode::OverPressure => (true, true, VentScope::Channel),
-        // A chamber whose valves or reading deceive must not be filled by any of them.
+        // A chamber whose valves or reading deceive must not be filled by any of them. Valves without voltage deceive, too.
         FaultCode::SupplyHigh
         | FaultCode::SensorFrozen
         | FaultCode::ReadingJumped
         | FaultCode::FillWithoutEffect
         | FaultCode::ExcessAir
-        | FaultCode::MissingAir => (true, true, VentScope::Nothing),
+        | FaultCode::MissingAir
+        | FaultCode::ValveSupplyLow => (true, true, VentScope::Nothing),
         FaultCode::SensorImplausible | FaultCode::SupplyLow | FaultCode::InverseFailed | FaultCode::TickOverrun => {
             (true, false, VentScope::Nothing)
         }
@@ -155,7 +156,7 @@ impl Default for Faults {
     }
 }
 
-const BLOCKING: [FaultCode; 13] = [
+const BLOCKING: [FaultCode; 14] = [
     FaultCode::EmergencyStop,
     FaultCode::OverPressure,
     FaultCode::SensorImplausible,
@@ -169,6 +170,7 @@ const BLOCKING: [FaultCode; 13] = [
     FaultCode::FillWithoutEffect,
     FaultCode::ExcessAir,
     FaultCode::MissingAir,
+    FaultCode::ValveSupplyLow,
 ];
 
 impl Occurrence {

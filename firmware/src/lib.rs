@@ -9,7 +9,8 @@
 //! use softlimb_protocol::{BootCause, DeviceState};
 //!
 //! let mut controller = Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 });
-//! let inputs = TickInputs { now_us: 1_000, pressure: [AdcCode(410); 27], supply: AdcCode(2_000), emergency_stop: false };
+//! let inputs = TickInputs { now_us: 1_000, pressure: [AdcCode(410); 27], supply: AdcCode(2_000),
+//!     valve_supply: AdcCode(2_708), emergency_stop: false };
 //! assert_eq!(controller.tick(&inputs), TickOutputs::SAFE);
 //! assert_eq!(controller.state(), DeviceState::Idle);
 //! ```
@@ -64,6 +65,6 @@ pub use pneumatics::Pneumatics;
 pub use pressure_loop::{LoopInput, PressureLoop};
 pub use queue::{KNOTS, KnotQueue, QueueError};
 pub use reference::Reference;
-pub use sensor::{AdcCode, Sensor, SensorScale};
+pub use sensor::{AdcCode, Sensor, SensorScale, VoltageScale};
 pub use state::{Event, TRANSITIONS, next};
 pub use valve::{Direction, TICK_US, ValvePair, ValvePulse, ValveTiming};

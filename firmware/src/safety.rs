@@ -8,6 +8,10 @@ pub(crate) const SUPPLY_LOW_TICKS: u16 = 100;
 /// Ticks for which the supply has to be high before it is a fault.
 pub(crate) const SUPPLY_HIGH_TICKS: u16 = 10;
 
+/// Ticks for which the voltage of the valves' supply has to be low before it is a fault: longer than a dip that coils bridge, and shorter than
+/// the time in which chambers show that their valves do not follow.
+pub(crate) const VALVE_SUPPLY_LOW_TICKS: u16 = 5;
+
 /// Window in which a second late tick is a fault, us.
 const LATE_WINDOW_US: u64 = 1_000_000;
 

@@ -165,6 +165,7 @@ impl<const N: usize> Controller<N> {
                 let tick = Tick {
                     flags: TickFlags::default().with(TickFlags::EMERGENCY_STOP, inputs.emergency_stop),
                     supply_code: inputs.supply.0,
+                    valve_supply_code: inputs.valve_supply.0,
                     outputs_crc: checksum(outputs, count),
                     codes,
                 };

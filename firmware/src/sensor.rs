@@ -60,6 +60,33 @@ impl SensorScale {
     }
 }
 
+/// A voltage divider at an input of the converter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VoltageScale {
+    full_scale_mv: u16,
+    full_scale: u16,
+}
+
+impl VoltageScale {
+    /// [`Self::millivolts`] of a divider that the board does not have; above every voltage of one that it has.
+    pub const NOT_SENSED_MV: u16 = u16::MAX;
+
+    /// A divider that reaches `full_scale` codes (> 0) at `full_scale_mv`; 0 mV if the board has none.
+    pub fn new(full_scale_mv: u16, full_scale: u16) -> Self {
+        Self { full_scale_mv, full_scale }
+    }
+
+    /// Voltage of a sample, mV, rounded down.
+    pub fn millivolts(&self, code: AdcCode) -> u16 {
+        if self.full_scale_mv == 0 {
+            return Self::NOT_SENSED_MV;
+        }
+        let code = u32::from(code.0.min(self.full_scale));
+        // At most the full scale, so that the cast loses nothing.
+        (code * u32::from(self.full_scale_mv) / u32::from(self.full_scale)) as u16
+    }
+}
+
 /// State of one sensor: plausibility with debounce, the last good pressure, the zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
@@ -217,6 +244,16 @@ mod tests {
         for (code, good) in [(0, false), (24, false), (25, true), (975, true), (976, false), (1000, false)] {
             assert_eq!(scale.is_plausible(AdcCode(code)), good, "{code}");
         }
+    }
+
+    #[test]
+    fn voltage_is_in_proportion_to_the_code() {
+        let divider = VoltageScale::new(36_300, 4_095);
+        for (code, millivolts) in [(0, 0), (1, 8), (2_708, 24_004), (4_095, 36_300), (u16::MAX, 36_300)] {
+            assert_eq!(divider.millivolts(AdcCode(code)), millivolts, "{code}");
+        }
+        assert_eq!(VoltageScale::new(60_000, u16::MAX).millivolts(AdcCode(u16::MAX)), 60_000);
+        assert_eq!(VoltageScale::new(0, 4_095).millivolts(AdcCode(2_708)), VoltageScale::NOT_SENSED_MV);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::channel::TickContext;
 use crate::controller::{Controller, TickInputs};
 use crate::faults::{Occurrence, VentScope, reaction};
 use crate::observer;
-use crate::safety::{SUPPLY_HIGH_TICKS, SUPPLY_LOW_TICKS};
+use crate::safety::{SUPPLY_HIGH_TICKS, SUPPLY_LOW_TICKS, VALVE_SUPPLY_LOW_TICKS};
 use crate::sensor::Zeros;
 use crate::state::{Event, next};
 
@@ -23,6 +23,8 @@ impl<const N: usize> Controller<N> {
         self.watch_ticks(now_us);
         // What vents after a crash has no configuration to tell what the sensors mean.
         if self.state != DeviceState::Idle && self.config.is_some() {
+            // Before the observers of valves: it names the cause of what they would find.
+            self.watch_valve_supply(now_us);
             self.watch_sensors(now_us);
             self.watch_pressures(now_us);
             self.watch_effects(inputs);
@@ -84,6 +86,7 @@ impl<const N: usize> Controller<N> {
             (implausible, FaultCode::SensorImplausible),
             (over, FaultCode::OverPressure),
             (self.supply.pressure_pa() > config.system.supply_max_pa, FaultCode::SupplyHigh),
+            (self.lacks_valve_voltage(), FaultCode::ValveSupplyLow),
         ]
         .into_iter()
         .find_map(|(stands, code)| stands.then_some(code))
@@ -94,6 +97,11 @@ impl<const N: usize> Controller<N> {
         let count = self.config.as_ref().map_or(0, |config| config.channels.len());
         !self.supply.is_implausible()
             && !self.channels.iter().take(count).any(|channel| channel.sensor().is_implausible())
+    }
+
+    /// Whether the voltage of the valves' supply is watched and too low for the coils.
+    pub(crate) fn lacks_valve_voltage(&self) -> bool {
+        self.config.as_ref().is_some_and(|config| self.valve_supply_mv < config.system.valve_supply_min_mv)
     }
 
     fn watch_ticks(&mut self, now_us: u64) {
@@ -180,6 +188,14 @@ impl<const N: usize> Controller<N> {
         }
     }
 
+    /// Wherever valves move or may have to. An emergency stop that cuts the valves' supply as well keeps its name.
+    fn watch_valve_supply(&mut self, now_us: u64) {
+        let low = self.state != DeviceState::Faulted && self.lacks_valve_voltage();
+        if self.valve_supply_low.holds(low, VALVE_SUPPLY_LOW_TICKS) {
+            self.fault(now_us, SYSTEM_CHANNEL, FaultCode::ValveSupplyLow, i32::from(self.valve_supply_mv));
+        }
+    }
+
     /// A lost link lets the buffer run out; then it is held, ramped down after the hold time, or vented at once: as configured.
     fn watch_link(&mut self, now_us: u64) {
         let Some(config) = &self.config else { return };
@@ -216,12 +232,13 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// A fault that forbids starting: a latched one, a low supply, an empty buffer.
+    /// A fault that forbids starting: a latched one, a low supply of air or of the valves' voltage, an empty buffer.
     pub(crate) fn obstacle_to_start(&self) -> Option<FaultCode> {
         let supply_min_pa = self.config.as_ref().map_or(0.0, |config| config.system.supply_min_pa);
         let low = (self.supply.pressure_pa() < supply_min_pa).then_some(FaultCode::SupplyLow);
         let empty = self.queue.is_exhausted().then_some(FaultCode::SetpointsExhausted);
-        self.faults.blocks_start().or(low).or(empty)
+        let dead = self.lacks_valve_voltage().then_some(FaultCode::ValveSupplyLow);
+        self.faults.blocks_start().or(dead).or(low).or(empty)
     }
 
     fn watch_venting(&mut self, now_us: u64) {
@@ -243,7 +260,8 @@ impl<const N: usize> Controller<N> {
         if self.state != DeviceState::Idle || self.config.is_none() {
             return;
         }
-        if !self.has_plausible_sensors() {
+        // Vents without voltage stay closed: what is behind them is no zero.
+        if !self.has_plausible_sensors() || self.lacks_valve_voltage() {
             return;
         }
         if self.zeros != Zeros::Checked {

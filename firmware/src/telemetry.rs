@@ -65,6 +65,7 @@ impl<const N: usize> Controller<N> {
             state: self.state.into(),
             fault_bits: self.faults.bits(),
             supply_10pa: tens_of_pascals(self.supply.pressure_pa()),
+            valve_supply_mv: self.valve_supply_mv,
             free_knots: self.queue.free(),
             next_index: self.queue.next_index(),
             ticks_late: self.ticks.late(),

@@ -244,18 +244,25 @@ fn ticks_requested_before_a_configuration_come_from_its_first_tick_on() {
     for tick in 0..640_u16 {
         // Within the plausible band; the stop is pressed in the last ticks.
         (bench.code[0], bench.code[1]) = (Some(410 + tick % 3), Some(411));
+        bench.valve_supply_v = 24.0 + f64::from(tick % 3);
         bench.emergency_stop = tick >= 635;
         if tick == 580 {
             assert_eq!(bench.pulse(1, PulseDirection::Fill, 20_000).result, ResultCode::Ok);
         }
         let outputs = bench.tick();
         let flags = if tick >= 635 { TickFlags::EMERGENCY_STOP } else { TickFlags::default() };
-        expected.push(([410 + tick % 3, 411], flags, outputs_crc(&outputs, 2)));
+        let volts = [2_707, 2_820, 2_933][usize::from(tick % 3)];
+        expected.push(([410 + tick % 3, 411, volts], flags, outputs_crc(&outputs, 2)));
     }
     let mut found = Vec::new();
     for (number, message) in (0..).zip(ticks_of(&bench)) {
         assert_eq!((message.time_us, message.left_out, message.ticks.len()), (begin_us + 5_000 * number, 0, 5));
-        found.extend(message.ticks.iter().map(|tick| ([tick.codes[0], tick.codes[1]], tick.flags, tick.outputs_crc)));
+        found.extend(
+            message
+                .ticks
+                .iter()
+                .map(|tick| ([tick.codes[0], tick.codes[1], tick.valve_supply_code], tick.flags, tick.outputs_crc)),
+        );
     }
     assert_eq!(found, expected);
     let of_pulse = found[581].2;
@@ -274,12 +281,12 @@ fn ticks_requested_before_a_configuration_come_from_its_first_tick_on() {
 #[test]
 fn ticks_go_on_through_another_configuration_in_messages_that_hold_them() {
     let mut bench = Bench::ready(&[SetpointKind::Pressure; 1]);
-    assert_eq!(request_ticks(&mut bench, 23).result, ResultCode::Ok);
+    assert_eq!(request_ticks(&mut bench, 19).result, ResultCode::Ok);
     bench.ticks(30);
     bench.configure(&crate::common::system(), &crate::common::channels(&[SetpointKind::Pressure; 9]));
     bench.ticks(30);
     let told: Vec<_> = ticks_of(&bench).iter().map(|message| message.ticks.len()).collect();
-    assert_eq!(told, [23, 7, 9, 9, 9]);
+    assert_eq!(told, [19, 11, 8, 8, 8]);
     assert!(ticks_of(&bench).iter().all(|message| message.left_out == 0));
 }
 
@@ -289,7 +296,7 @@ fn ticks_are_every_tick_and_of_a_content_that_is_known() {
     for (period_us, samples, content, result, detail) in [
         (2_000, 1, SampleContent::Ticks.into(), ResultCode::OutOfRange, 1),
         (1_000, 0, SampleContent::Ticks.into(), ResultCode::OutOfRange, 2),
-        (1_000, 24, SampleContent::Ticks.into(), ResultCode::OutOfRange, 2),
+        (1_000, 20, SampleContent::Ticks.into(), ResultCode::OutOfRange, 2),
         (1_000, 1, Code::from_raw(2), ResultCode::UnknownCode, 3),
     ] {
         let ack = bench.request(&SetSampling { session: SESSION, period_us, samples, content }.into());

@@ -19,8 +19,8 @@ impl Board for Slow {
     fn inputs(&mut self) -> TickInputs {
         self.now_us += 1_000;
         self.room = 5;
-        let (pressure, supply) = ([AdcCode(410); MAX_CHANNELS], AdcCode(2_000));
-        TickInputs { now_us: self.now_us, pressure, supply, emergency_stop: false }
+        let (pressure, supply, valve_supply) = ([AdcCode(410); MAX_CHANNELS], AdcCode(2_000), AdcCode(2_708));
+        TickInputs { now_us: self.now_us, pressure, supply, valve_supply, emergency_stop: false }
     }
 
     fn apply(&mut self, outputs: &TickOutputs) {

@@ -158,6 +158,121 @@ fn low_supply_is_a_fault_after_a_tenth_of_a_second_and_only_while_running() {
     assert!(outputs.pump_duty == 255 && outputs.supply_open, "the supply may recover");
 }
 
+/// Start of a device that is ready and has a knot to follow.
+fn start(bench: &mut Bench) -> Ack {
+    assert_eq!(bench.setpoint(0, bench.now_us + 1_000_000, &[0]).result, ResultCode::Ok);
+    bench.command(CommandCode::Start)
+}
+
+#[test]
+fn low_voltage_of_the_valves_is_a_fault_after_five_ticks_and_lasts() {
+    let mut bench = Bench::running(1, 50_000, 50);
+    bench.valve_supply_v = 20.01;
+    bench.ticks(20);
+    bench.valve_supply_v = 19.99;
+    bench.ticks(4);
+    bench.valve_supply_v = 24.0;
+    bench.ticks(20);
+    assert_eq!(bench.controller.state(), DeviceState::Running, "a dip of four ticks is none");
+    bench.valve_supply_v = 19.99;
+    bench.ticks(4);
+    assert_eq!(bench.controller.state(), DeviceState::Running);
+    let outputs = bench.tick();
+    assert_eq!(bench.controller.state(), DeviceState::Faulted);
+    assert_eq!(only_fault(&bench), (FaultCode::ValveSupplyLow, SYSTEM_CHANNEL));
+    assert!(!outputs.supply_open && outputs.pump_duty == 0);
+    assert_eq!(outputs.valves[0], ValvePulse::CLOSED);
+    let values = bench.messages.iter().filter_map(|message| match message {
+        DeviceMessage::Fault(fault) => Some(fault.value),
+        _ => None,
+    });
+    assert_eq!(values.collect::<Vec<_>>(), [19_989]);
+    bench.ticks(20);
+    let refused = bench.command(CommandCode::ClearFaults);
+    let wanted = (ResultCode::WrongState.into(), FaultCode::ValveSupplyLow as u32);
+    assert_eq!((refused.result, refused.detail), wanted);
+    bench.valve_supply_v = 24.0;
+    bench.ticks(100);
+    assert!(bench.controller.faults().contains(FaultCode::ValveSupplyLow), "latched");
+    assert_eq!(bench.controller.state(), DeviceState::Faulted);
+    assert_eq!(bench.command(CommandCode::ClearFaults).result, ResultCode::Ok);
+    assert_eq!(bench.controller.faults().bits(), 0);
+}
+
+#[test]
+fn low_voltage_of_the_valves_forbids_start_before_it_is_a_fault() {
+    let mut bench = Bench::ready(&[SetpointKind::Pressure]);
+    bench.valve_supply_v = 19.0;
+    bench.tick();
+    assert_eq!((bench.controller.state(), bench.controller.faults().bits()), (DeviceState::Ready, 0));
+    let refused = start(&mut bench);
+    let wanted = (ResultCode::WrongState.into(), FaultCode::ValveSupplyLow as u32);
+    assert_eq!((refused.result, refused.detail), wanted);
+    bench.valve_supply_v = 20.1;
+    bench.tick();
+    assert_eq!(bench.command(CommandCode::Start).result, ResultCode::Ok);
+    let mut bench = Bench::ready(&[SetpointKind::Pressure]);
+    bench.valve_supply_v = 19.0;
+    bench.ticks(5);
+    assert_eq!(only_fault(&bench), (FaultCode::ValveSupplyLow, SYSTEM_CHANNEL));
+}
+
+#[test]
+fn zeros_wait_for_the_voltage_of_the_vents() {
+    let mut bench = Bench::new();
+    bench.hello();
+    bench.valve_supply_v = 0.0;
+    bench.configure(&crate::common::system(), &crate::common::channels(&[SetpointKind::Pressure]));
+    bench.ticks(2_000);
+    assert_eq!(bench.controller.state(), DeviceState::Idle);
+    let refused = bench.command(CommandCode::ClearFaults);
+    assert_eq!(refused.detail, FaultCode::ValveSupplyLow as u32);
+    assert_eq!(bench.controller.faults().bits(), 0);
+    bench.valve_supply_v = 24.0;
+    assert!(bench.ticks_until(DeviceState::Ready, 1_100) > 500, "two means");
+}
+
+#[test]
+fn holding_and_venting_need_the_voltage_and_a_stop_keeps_its_name() {
+    for command in [CommandCode::Hold, CommandCode::Vent] {
+        let mut bench = Bench::running(1, 50_000, 50);
+        assert_eq!(bench.command(command).result, ResultCode::Ok);
+        bench.ticks(10);
+        bench.valve_supply_v = 5.0;
+        bench.ticks(5);
+        assert_eq!(bench.controller.state(), DeviceState::Faulted, "{command:?}");
+        assert_eq!(only_fault(&bench), (FaultCode::ValveSupplyLow, SYSTEM_CHANNEL), "{command:?}");
+    }
+    let mut bench = Bench::running(1, 50_000, 50);
+    (bench.emergency_stop, bench.valve_supply_v) = (true, 0.0);
+    bench.ticks(100);
+    assert_eq!(only_fault(&bench), (FaultCode::EmergencyStop, SYSTEM_CHANNEL));
+}
+
+#[test]
+fn voltage_that_is_not_watched_is_told_and_no_fault_and_one_that_is_not_sensed_is_none() {
+    for (full_scale_mv, told_mv) in [(36_300, 17), (0, u16::MAX)] {
+        let system = ConfigSystem {
+            valve_supply_full_scale_mv: full_scale_mv,
+            valve_supply_min_mv: 0,
+            ..crate::common::system()
+        };
+        let mut bench = Bench::new();
+        bench.hello();
+        bench.valve_supply_v = 0.02;
+        bench.configure(&system, &crate::common::channels(&[SetpointKind::Pressure]));
+        bench.ticks(550);
+        assert_eq!(start(&mut bench).result, ResultCode::Ok);
+        bench.ticks(500);
+        assert_eq!((bench.controller.state(), bench.controller.faults().bits()), (DeviceState::Running, 0));
+        let told = bench.messages.iter().rev().find_map(|message| match message {
+            DeviceMessage::Telemetry(telemetry) => Some(telemetry.valve_supply_mv),
+            _ => None,
+        });
+        assert_eq!(told, Some(told_mv));
+    }
+}
+
 #[test]
 fn high_supply_stops_the_pump_before_the_limit_and_is_cut_above_it() {
     let mut bench = Bench::ready(&[SetpointKind::Pressure]);

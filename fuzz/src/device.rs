@@ -210,7 +210,8 @@ impl Bench {
 
     fn tick(&mut self) {
         let pressure = [AdcCode(410); CHANNELS];
-        let inputs = TickInputs { now_us: self.now_us, pressure, supply: AdcCode(1_360), emergency_stop: false };
+        let (supply, valve_supply) = (AdcCode(1_360), AdcCode(2_708));
+        let inputs = TickInputs { now_us: self.now_us, pressure, supply, valve_supply, emergency_stop: false };
         self.controller.tick(&inputs);
         self.send(&[]);
         self.now_us += TICK_US;

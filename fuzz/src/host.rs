@@ -88,6 +88,7 @@ fn telemetry(time_us: u64, draw: &mut Draw<'_>) -> Telemetry {
         state: DeviceState::Running.into(),
         fault_bits: 0,
         supply_10pa: draw.number() as u16,
+        valve_supply_mv: draw.number() as u16,
         free_knots: 3,
         next_index: draw.number(),
         ticks_late: 0,

@@ -132,9 +132,11 @@ class Host:  # one session (sections 3 and 4)
             if 0 <= round_trip <= self.best_round_trip:  # the shortest exchange tells the clock best (section 4)
                 self.best_round_trip, self.offset_us = round_trip, mcu_us - (sent_us + round_trip / 2)
         elif kind == TELEMETRY:
-            names = "time_us state fault_bits supply_10pa free_knots next_index ticks_late stack_used outputs count".split()
-            self.telemetry = dict(zip(names, struct.unpack_from("<QBHHHIHHBB", payload)))
-            samples = struct.iter_unpack("<HHbB", payload[25 : 25 + 6 * self.telemetry["count"]])
+            names = (
+                "time_us state fault_bits supply_10pa valve_supply_mv free_knots next_index ticks_late stack_used outputs count"
+            ).split()
+            self.telemetry = dict(zip(names, struct.unpack_from("<QBHHHHIHHBB", payload)))
+            samples = struct.iter_unpack("<HHbB", payload[27 : 27 + 6 * self.telemetry["count"]])
             self.telemetry["channels"] = [(10 * p, 10 * r, duty, status) for p, r, duty, status in samples]
             self.state = self.telemetry["state"]
         elif kind == SAMPLES:
@@ -205,7 +207,7 @@ class Host:  # one session (sections 3 and 4)
     def configure(self, channels, pressure_max_pa):
         """Section 5: straight tubes of a neo-Hookean elastomer with two windings, set points in pascal."""
         times, air = (5000, 20000, 250000, 2000000, 0), (20e3, 100e3, 300e3, 101325, 293.15, 1.44e-9, 0.3)
-        system = struct.pack("<4IB7f2I5fHB", *times, *air, 3500, 2000, 3.78e-9, 0, 206843, 0, 689476, 4095, 0)
+        system = struct.pack("<4IB7f2I5fHBHH", *times, *air, 3500, 2000, 3.78e-9, 0, 206843, 0, 689476, 4095, 0, 0, 0)
         parts = [(BEGIN, struct.pack("<B", channels)), (SYSTEM, system)]
         for channel in range(channels):
             codes = struct.pack("<6B", channel, 0, 0, 0, 2, 0)

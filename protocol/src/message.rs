@@ -227,6 +227,8 @@ interface! {
             /// A chamber holds less air than its valves explain: the vent stays open, a leak or burst, the fill valve or the supply stays closed, a hose is
             /// kinked, or the sensor is wrong.
             MissingAir = 14,
+            /// Voltage of the valves' supply below its limit: coils may not open their valves.
+            ValveSupplyLow = 15,
         }
 
         /// Kind of a record in the log.
@@ -327,6 +329,8 @@ interface! {
             flags: TickFlags,
             /// Code of the supply's sensor.
             supply_code: u16,
+            /// Code of the voltage of the valves' supply.
+            valve_supply_code: u16,
             /// CRC-32C of the outputs: fill and vent time of each configured channel (u16 each, us), then one byte each for supply valve, pump and digital outputs.
             outputs_crc: u32,
             /// Codes of the sensors, one per configured channel.
@@ -426,6 +430,10 @@ interface! {
             adc_full_scale: u16,
             /// Pressure loop of the channels.
             pressure_loop: Code<PressureLoopKind>,
+            /// Voltage of the valves' supply at `adc_full_scale`, mV; 0 if the board does not sense it.
+            valve_supply_full_scale_mv: u16,
+            /// Lowest voltage of the valves' supply, mV; 0 if it is not watched.
+            valve_supply_min_mv: u16,
         }
 
         /// One channel: its actuator, its limits and the meaning of its setpoint.
@@ -667,6 +675,8 @@ interface! {
             fault_bits: u16,
             /// Supply pressure, gauge, 10 Pa; clipped at 0.
             supply_10pa: u16,
+            /// Voltage of the valves' supply, mV; 65535 if the board does not sense it.
+            valve_supply_mv: u16,
             /// Free places in the setpoint buffer.
             free_knots: u16,
             /// The setpoint index that the device expects next.

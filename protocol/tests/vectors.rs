@@ -220,6 +220,7 @@ fn telemetry_fields(m: &Telemetry) -> Value {
         "state": m.state.raw(),
         "fault_bits": m.fault_bits,
         "supply_10pa": m.supply_10pa,
+        "valve_supply_mv": m.valve_supply_mv,
         "free_knots": m.free_knots,
         "next_index": m.next_index,
         "ticks_late": m.ticks_late,
@@ -244,7 +245,8 @@ fn samples_fields(m: &Samples) -> Value {
 fn ticks_fields(m: &Ticks) -> Value {
     let tick = |t: Tick| {
         json!({
-            "flags": t.flags.bits(), "supply_code": t.supply_code, "outputs_crc": t.outputs_crc, "codes": t.codes.to_vec(),
+            "flags": t.flags.bits(), "supply_code": t.supply_code, "valve_supply_code": t.valve_supply_code,
+            "outputs_crc": t.outputs_crc, "codes": t.codes.to_vec(),
         })
     };
     json!({ "time_us": m.time_us, "left_out": m.left_out, "ticks": m.ticks.iter().map(tick).collect::<Vec<_>>() })

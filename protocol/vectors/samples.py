@@ -11,7 +11,7 @@ SYSTEM = {
     "valve_conductance_m3_per_s_pa": 1.44e-9, "valve_critical_ratio": 0.3, "valve_on_delay_us": 3500,
     "valve_off_delay_us": 2000, "line_conductance_m3_per_s_pa": 3.78e-9, "sensor_min_pa": 0.0,
     "sensor_max_pa": 206_843.0, "supply_sensor_min_pa": 0.0, "supply_sensor_max_pa": 689_476.0, "adc_full_scale": 4095,
-    "pressure_loop": 1,
+    "pressure_loop": 1, "valve_supply_full_scale_mv": 36_300, "valve_supply_min_mv": 20_000,
 }
 CHANNEL = {
     "session": 7, "channel": 0, "motion": 2, "setpoint_kind": 5, "law": 0, "families": 2, "placement": 0,
@@ -34,8 +34,8 @@ REPLY = {
 }
 ACK = {"ref_type": 3, "ref_seq": 1, "result": 0, "detail": 0, "free_knots": 64, "mcu_time_us": 1_240_000}
 TELEMETRY = {
-    "time_us": 2_000_000, "state": 2, "fault_bits": 0, "supply_10pa": 20_000, "free_knots": 63, "next_index": 1,
-    "ticks_late": 0, "stack_used": 2056, "outputs": 1, "channels": [
+    "time_us": 2_000_000, "state": 2, "fault_bits": 0, "supply_10pa": 20_000, "valve_supply_mv": 24_010,
+    "free_knots": 63, "next_index": 1, "ticks_late": 0, "stack_used": 2056, "outputs": 1, "channels": [
         {"pressure_10pa": 1000, "reference_10pa": 1010, "duty": 12, "status": 0},
         {"pressure_10pa": 0, "reference_10pa": 0, "duty": -127, "status": 5},
     ],
@@ -67,8 +67,8 @@ TYPICAL = {
         {"state": 2, "channels": [{"pressure_10pa": 1000, "duty": 12}, {"pressure_10pa": 0, "duty": -127}]},
         {"state": 2, "channels": [{"pressure_10pa": 1010, "duty": 0}, {"pressure_10pa": 1, "duty": 127}]}]},
     "Ticks": {"time_us": 2_000_000, "left_out": 0, "ticks": [
-        {"flags": 0, "supply_code": 2867, "outputs_crc": 0x7D5DB7F3, "codes": [410, 1200]},
-        {"flags": 1, "supply_code": 2866, "outputs_crc": 0, "codes": [411, 4095]}]},
+        {"flags": 0, "supply_code": 2867, "valve_supply_code": 2708, "outputs_crc": 0x7D5DB7F3, "codes": [410, 1200]},
+        {"flags": 1, "supply_code": 2866, "valve_supply_code": 2707, "outputs_crc": 0, "codes": [411, 4095]}]},
     "LinkErrors": {"overrun": 1, "framing": 2, "noise": 300, "parity": 0, "queue_full": 70_000},
     "LogRecords": {"records": [
         {"number": 9, "start": 4, "kind": 1, "code": 6, "channel": 255, "detail": 0x08001234, "time_us": 0},
@@ -114,9 +114,9 @@ def variants():
     for result in range(13):
         yield f"Ack, result {result}", "Ack", result, ACK | {"result": result, "detail": 10 * result}
     yield "Telemetry, 27 channels, all bits set", "Telemetry", 9, {
-        "time_us": 2**64 - 1, "state": 5, "fault_bits": 65535, "supply_10pa": 65535, "free_knots": 65535,
-        "next_index": 2**32 - 1, "ticks_late": 65535, "stack_used": 65535, "outputs": 255, "channels": [FULL_SAMPLE] * 27}
-    for code in range(1, 10):
+        "time_us": 2**64 - 1, "state": 5, "fault_bits": 65535, "supply_10pa": 65535, "valve_supply_mv": 65535,
+        "free_knots": 65535, "next_index": 2**32 - 1, "ticks_late": 65535, "stack_used": 65535, "outputs": 255, "channels": [FULL_SAMPLE] * 27}
+    for code in range(1, 16):
         yield f"Fault, code {code}", "Fault", code, {"time_us": 5, "channel": 255, "code": code, "value": -(2**31) + code}
     yield from every_code()
     yield from every_length()
@@ -193,11 +193,11 @@ def batches():
                 "time_us": 2**63, "period_us": 1000, "left_out": 2**32 - 1, "samples": [
                     {"state": k % 7, "channels": [{"pressure_10pa": 100 * j + k, "duty": j - k} for j in range(count)]}
                     for k in range(number)]}
-    for count, most in ((1, 23), (9, 9), (27, 3)):
+    for count, most in ((1, 19), (9, 8), (27, 3)):
         for number in sorted({1, 2, most}):
             yield f"Ticks, {number} of {count} channels", "Ticks", 80 + number, {
                 "time_us": 2**64 - 1, "left_out": 2**32 - 1, "ticks": [
-                    {"flags": k % 2, "supply_code": 65_535 - k, "outputs_crc": 2**32 - 1 - k,
+                    {"flags": k % 2, "supply_code": 65_535 - k, "valve_supply_code": 256 * k, "outputs_crc": 2**32 - 1 - k,
                      "codes": [100 * j + k for j in range(count)]} for k in range(number)]}
     yield "Knots, another number of channels in each knot", "Knots", 90, {"session": 7, "index": 3, "knots": [
         {"step_us": 0, "outputs": 255, "steps": [-(2**15)] * 27}, {"step_us": 1, "outputs": 0, "steps": [2**15 - 1]}]}

@@ -11,7 +11,8 @@ HOST = {
            "link_loss_policy:B vent_ramp_pa_per_s:f supply_min_pa:f supply_max_pa:f atmosphere_pa:f temperature_k:f "
            "valve_conductance_m3_per_s_pa:f valve_critical_ratio:f valve_on_delay_us:I valve_off_delay_us:I "
            "line_conductance_m3_per_s_pa:f sensor_min_pa:f sensor_max_pa:f supply_sensor_min_pa:f "
-           "supply_sensor_max_pa:f adc_full_scale:H pressure_loop:B"),
+           "supply_sensor_max_pa:f adc_full_scale:H pressure_loop:B "
+           "valve_supply_full_scale_mv:H valve_supply_min_mv:H"),
     0x05: ("ConfigChannel", "session:H channel:B motion:B setpoint_kind:B law:B families:B placement:B "
            "inner_radius_m:f outer_radius_m:f length_m:f c_pa_1:f c_pa_2:f c_pa_3:f fiber_angle_rad:f "
            "fiber_modulus_pa:f fiber_thickness_m:f fiber_radius_m:f pressure_max_pa:f dead_volume_m3:f "
@@ -34,8 +35,8 @@ DEVICE = {
            "boot_cause:B boot_detail:I state:B channels_max:B knots_capacity:H tick_us:I config_hash:I mcu_time_us:Q"),
     0x82: ("Ack", "ref_type:B ref_seq:H result:B detail:I free_knots:H mcu_time_us:Q"),
     0x83: ("HeartbeatReply", "host_time_us:Q mcu_time_us:Q state:B free_knots:H"),
-    0x84: ("Telemetry", "time_us:Q state:B fault_bits:H supply_10pa:H free_knots:H next_index:I ticks_late:H stack_used:H "
-           "outputs:B channels:list:sample"),
+    0x84: ("Telemetry", "time_us:Q state:B fault_bits:H supply_10pa:H valve_supply_mv:H free_knots:H next_index:I ticks_late:H "
+           "stack_used:H outputs:B channels:list:sample"),
     0x85: ("Fault", "time_us:Q channel:B code:B value:i"),
     0x86: ("Samples", "time_us:Q period_us:I left_out:I samples:list:moment"),
     0x87: ("Ticks", "time_us:Q left_out:I ticks:list:tick"),
@@ -49,7 +50,7 @@ RECORDS = {
     "moment": "state:B channels:list:pressure",
     "pressure": "pressure_10pa:H duty:b",
     "record": "number:I start:I kind:B code:B channel:B detail:I time_us:Q",
-    "tick": "flags:B supply_code:H outputs_crc:I codes:list:H",
+    "tick": "flags:B supply_code:H valve_supply_code:H outputs_crc:I codes:list:H",
 }
 
 

@@ -14,7 +14,7 @@ use crate::sensor::Sensor;
 use crate::settings::{ChannelSettings, MotionSettings, PlantSettings, ValveSettings};
 use crate::spread::TrueParameters;
 use crate::truth::{ChannelSnapshot, ChannelTruth};
-use crate::valve::Valve;
+use crate::valve::{Coils, Valve};
 
 const S_PER_US: f64 = 1e-6;
 const TICK_S: f64 = TICK_US as f64 * S_PER_US;
@@ -101,7 +101,7 @@ impl Channel {
 
     /// Advances by one tick that starts at `start_us`, against a supply held at `supply_abs_pa`,
     /// or shut off. Returns the air drawn from the supply, kg.
-    pub(crate) fn tick(&mut self, start_us: u64, drive: ChannelDrive, supply_abs_pa: Option<f64>) -> f64 {
+    pub(crate) fn tick(&mut self, start_us: u64, drive: ChannelDrive, coils: Coils, supply_abs_pa: Option<f64>) -> f64 {
         let drawn_before = self.gas.filled_kg;
         let end = start_us + TICK_US;
         let drive = if self.broken.coils_swapped { drive.swapped() } else { drive };
@@ -110,8 +110,10 @@ impl Channel {
         self.move_limb(start_us);
         let mut now = start_us;
         while now < end {
-            self.fill.set_coil(now, now < fill_off, &mut self.random);
-            self.vent.set_coil(now, now < vent_off, &mut self.random);
+            let fills = now < fill_off && coils.act(self.fill.is_open());
+            let vents = now < vent_off && coils.act(self.vent.is_open());
+            self.fill.set_coil(now, fills, &mut self.random);
+            self.vent.set_coil(now, vents, &mut self.random);
             let next = [fill_off, vent_off, self.fill.due_us(), self.vent.due_us()]
                 .into_iter()
                 .filter(|&edge| edge > now)
@@ -158,7 +160,8 @@ impl Channel {
             | PartFault::SupplyStuckOpen
             | PartFault::SupplyStuckClosed
             | PartFault::PumpWeak { .. }
-            | PartFault::ReferenceSag { .. } => {}
+            | PartFault::ReferenceSag { .. }
+            | PartFault::ValveSupplySag { .. } => {}
         }
     }
 

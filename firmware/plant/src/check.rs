@@ -26,6 +26,13 @@ pub(crate) fn check(settings: &PlantSettings) -> Checked {
         Supply::Pump(pump) => check_pump(pump, least_reservoir_m3(settings))?,
     }
     check_sensor("supply_sensor", &settings.supply_sensor)?;
+    let valve_supply = &settings.valve_supply;
+    let voltages = [
+        ("voltage_v", valve_supply.voltage_v, 1.0..=60.0),
+        ("full_scale_v", valve_supply.full_scale_v, 1.0..=60.0),
+        ("adc_full_scale", f64::from(valve_supply.adc_full_scale), 255.0..=65_535.0),
+    ];
+    within_all("valve_supply", voltages)?;
     check_spread(&settings.spread)?;
     within("gripper_time_s", settings.gripper_time_s, 0.0..=10.0)?;
     for (index, channel) in settings.channels.iter().enumerate() {
@@ -51,6 +58,7 @@ pub(crate) fn check_fault(channel: usize, fault: &PartFault, channels: usize, ha
         PartFault::SensorDrift { pa_per_s } => within("fault.pa_per_s", pa_per_s, -1e5..=1e5),
         PartFault::SensorsSwapped => within("channels.len()", channels as f64, 2.0..=64.0),
         PartFault::ReferenceSag { share } => within("fault.share", share, 0.0..=0.5),
+        PartFault::ValveSupplySag { share } => within("fault.share", share, 0.0..=1.0),
         _ => Ok(()),
     }
 }

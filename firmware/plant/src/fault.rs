@@ -1,6 +1,6 @@
 //! Parts that break.
 
-/// A broken part. The faults of the supply and of the converter belong to no channel.
+/// A broken part. The faults of the supplies and of the converter belong to no channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PartFault {
     /// The fill valve stays open.
@@ -50,10 +50,15 @@ pub enum PartFault {
         /// Lost share of the reference, 0..=0.5.
         share: f64,
     },
+    /// The voltage of the valves' supply falls, for coils and pump. Below 70 % no valve opens, below 35 % none stays open.
+    ValveSupplySag {
+        /// Lost share of the voltage, 0..=1.
+        share: f64,
+    },
 }
 
 /// Faults by name, with the severity that a name alone stands for.
-const NAMED: [(&str, PartFault); 17] = [
+const NAMED: [(&str, PartFault); 18] = [
     ("fill-stuck-open", PartFault::FillStuckOpen),
     ("fill-stuck-closed", PartFault::FillStuckClosed),
     ("vent-stuck-open", PartFault::VentStuckOpen),
@@ -73,6 +78,7 @@ const NAMED: [(&str, PartFault); 17] = [
     ("supply-stuck-closed", PartFault::SupplyStuckClosed),
     ("pump-weak", PartFault::PumpWeak { share: 0.1 }),
     ("reference-sag", PartFault::ReferenceSag { share: 0.1 }),
+    ("valve-supply-sag", PartFault::ValveSupplySag { share: 0.8 }),
 ];
 
 impl PartFault {
@@ -86,11 +92,15 @@ impl PartFault {
         NAMED.into_iter().map(|(name, _)| name)
     }
 
-    /// Whether the fault is one of a channel; the supply and the converter serve all.
+    /// Whether the fault is one of a channel; the supplies and the converter serve all.
     pub fn is_of_channel(&self) -> bool {
         !matches!(
             self,
-            Self::SupplyStuckOpen | Self::SupplyStuckClosed | Self::PumpWeak { .. } | Self::ReferenceSag { .. }
+            Self::SupplyStuckOpen
+                | Self::SupplyStuckClosed
+                | Self::PumpWeak { .. }
+                | Self::ReferenceSag { .. }
+                | Self::ValveSupplySag { .. }
         )
     }
 }

@@ -55,7 +55,7 @@ pub use gas::REFERENCE_DENSITY_KG_PER_M3;
 pub use plant::{ChannelDrive, Drive, Plant, TICK_US};
 pub use settings::{
     ActuatorLaw, ChannelSettings, Equilibria, MotionSettings, PlantSettings, PumpSettings, SegmentSettings,
-    SensorSettings, Spread, Supply, TubeSettings, ValveSettings,
+    SensorSettings, Spread, Supply, TubeSettings, ValveSettings, ValveSupplySettings,
 };
 pub use spread::{TrueParameters, TrueSegment};
 pub use truth::{ChannelTruth, Snapshot, Truth};

@@ -7,10 +7,11 @@ use crate::fault::PartFault;
 use crate::gripper::Gripper;
 use crate::random::Random;
 use crate::sensor::Sensor;
-use crate::settings::PlantSettings;
+use crate::settings::{PlantSettings, ValveSupplySettings};
 use crate::spread::calibration;
 use crate::supply::Source;
 use crate::truth::{Snapshot, Truth};
+use crate::valve::Coils;
 
 /// Duration of one step of the plant, us.
 pub const TICK_US: u64 = 1_000;
@@ -41,6 +42,8 @@ struct Broken {
     pump_missing: f64,
     /// Lost share of the converter's reference.
     reference_missing: f64,
+    /// Lost share of the voltage of the valves' supply.
+    voltage_missing: f64,
     /// Channels whose sensor is exchanged with the next one's.
     swapped: Vec<usize>,
 }
@@ -70,6 +73,10 @@ pub struct Plant {
     random: Random,
     pressure_codes: Vec<u16>,
     supply_code: u16,
+    valve_supply: ValveSupplySettings,
+    valve_supply_code: u16,
+    /// The valve that lets the supply in is open; it follows its coil without delay.
+    is_supply_open: bool,
     /// Codes of the converter at 100 %, of the channels and of the supply.
     full_scales: Vec<u16>,
     supply_full_scale: u16,
@@ -104,6 +111,9 @@ impl Plant {
             gripper: Gripper::new(settings.gripper_time_s),
             random,
             supply_code: 0,
+            valve_supply: settings.valve_supply,
+            valve_supply_code: 0,
+            is_supply_open: false,
             full_scales: settings.channels.iter().map(|channel| channel.sensor.adc_full_scale).collect(),
             supply_full_scale: settings.supply_sensor.adc_full_scale,
             air_used_kg: 0.0,
@@ -119,16 +129,19 @@ impl Plant {
     /// Advances by one tick of [`TICK_US`].
     pub fn step(&mut self, drive: &Drive<'_>) {
         let supply = self.source.abs_pa();
-        let reaching = self.broken.supply_open.unwrap_or(drive.supply_open).then_some(supply);
+        let voltage = 1.0 - self.broken.voltage_missing;
+        let coils = Coils::at(voltage);
+        self.is_supply_open = drive.supply_open && coils.act(self.is_supply_open);
+        let reaching = self.broken.supply_open.unwrap_or(self.is_supply_open).then_some(supply);
         let mut drawn_kg = 0.0;
         for (index, channel) in self.channels.iter_mut().enumerate() {
-            let coils = drive.channels.get(index).copied().unwrap_or_default();
-            drawn_kg += channel.tick(self.time_us, coils, reaching);
+            let outputs = drive.channels.get(index).copied().unwrap_or_default();
+            drawn_kg += channel.tick(self.time_us, outputs, coils, reaching);
         }
         let tick_s = TICK_US as f64 * 1e-6;
         // Written so that NaN is 0.
         let speed = if drive.pump > 0.0 { drive.pump.min(1.0) } else { 0.0 };
-        self.source.step(drawn_kg, speed * (1.0 - self.broken.pump_missing), tick_s);
+        self.source.step(drawn_kg, speed * voltage * (1.0 - self.broken.pump_missing), tick_s);
         self.air_used_kg += drawn_kg;
         self.gripper.step(drive.gripper_on);
         self.time_us += TICK_US;
@@ -149,6 +162,11 @@ impl Plant {
     /// Converter code of the supply's pressure sensor at the end of the last tick.
     pub fn supply_code(&self) -> u16 {
         self.supply_code
+    }
+
+    /// Converter code of the voltage of the valves' supply at the end of the last tick.
+    pub fn valve_supply_code(&self) -> u16 {
+        self.valve_supply_code
     }
 
     /// The true state; finds the shape of every actuator, so call it as often as shapes are
@@ -192,6 +210,7 @@ impl Plant {
             PartFault::SupplyStuckClosed => self.broken.supply_open = Some(false),
             PartFault::PumpWeak { share } => self.broken.pump_missing = 1.0 - share,
             PartFault::ReferenceSag { share } => self.broken.reference_missing = share,
+            PartFault::ValveSupplySag { share } => self.broken.voltage_missing = share,
             PartFault::SensorsSwapped => self.broken.swapped.push(channel),
             _ => self.channels[channel].break_part(fault, self.room_k),
         }
@@ -233,13 +252,17 @@ impl Plant {
             *code = channel.code();
         }
         self.supply_code = self.supply_sensor.sample(&mut self.random);
+        self.valve_supply_code = self.valve_supply.code(1.0 - self.broken.voltage_missing);
         let count = self.pressure_codes.len();
         for &channel in &self.broken.swapped {
             self.pressure_codes.swap(channel, (channel + 1) % count);
         }
         if self.broken.reference_missing > 0.0 {
             let scales = self.full_scales.iter().zip(&mut self.pressure_codes);
-            let all = scales.chain([(&self.supply_full_scale, &mut self.supply_code)]);
+            let all = scales.chain([
+                (&self.supply_full_scale, &mut self.supply_code),
+                (&self.valve_supply.adc_full_scale, &mut self.valve_supply_code),
+            ]);
             for (&full_scale, code) in all {
                 *code = raised(*code, self.broken.reference_missing).min(full_scale);
             }

@@ -20,6 +20,8 @@ pub struct PlantSettings {
     pub supply: Supply,
     /// The sensor on the supply.
     pub supply_sensor: SensorSettings,
+    /// The voltage of the coils and of the pump.
+    pub valve_supply: ValveSupplySettings,
     /// Deviation of the true parameters from the nominal ones.
     pub spread: Spread,
     /// Time that the gripper takes to close, and to open, s; 0..=10.
@@ -39,10 +41,37 @@ impl PlantSettings {
             step_us: 100,
             supply: Supply::Pump(PumpSettings::default()),
             supply_sensor: SensorSettings::supply(),
+            valve_supply: ValveSupplySettings::default(),
             spread: Spread::default(),
             gripper_time_s: 0.3,
             channels,
         }
+    }
+}
+
+/// The voltage of the coils and of the pump, and the divider at which a converter reads it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ValveSupplySettings {
+    /// Nominal voltage, V; 1..=60. No noise, no load.
+    pub voltage_v: f64,
+    /// Voltage at the converter's full scale, V; 1..=60.
+    pub full_scale_v: f64,
+    /// Code of the converter at 100 %; 255..=65535.
+    pub adc_full_scale: u16,
+}
+
+impl ValveSupplySettings {
+    /// Code of a share of the nominal voltage.
+    pub(crate) fn code(&self, share: f64) -> u16 {
+        let full = f64::from(self.adc_full_scale);
+        (share * self.voltage_v / self.full_scale_v * full).round().min(full) as u16
+    }
+}
+
+impl Default for ValveSupplySettings {
+    /// 24 V behind 100 and 10 kOhm, on a 12-bit converter of 3.3 V.
+    fn default() -> Self {
+        Self { voltage_v: 24.0, full_scale_v: 36.3, adc_full_scale: 4_095 }
     }
 }
 

@@ -4,6 +4,42 @@ use crate::random::Random;
 
 const NEVER: u64 = u64::MAX;
 
+/// Share of the nominal voltage from which on a coil opens its valve, and that which keeps an open one open: the gap of a closed armature takes
+/// twice the current for the same force.
+const PULL_IN: f64 = 0.7;
+const HOLD_IN: f64 = 0.35;
+
+/// Effect of the valves' supply on energized coils.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Coils {
+    /// They open their valves.
+    PullIn,
+    /// They keep open what is open.
+    HoldIn,
+    /// They fall off.
+    FallOff,
+}
+
+impl Coils {
+    /// At a share of their nominal voltage.
+    pub(crate) fn at(share: f64) -> Self {
+        match share {
+            _ if share >= PULL_IN => Self::PullIn,
+            _ if share >= HOLD_IN => Self::HoldIn,
+            _ => Self::FallOff,
+        }
+    }
+
+    /// Whether an energized coil acts on a valve that is open or not.
+    pub(crate) fn act(self, is_open: bool) -> bool {
+        match self {
+            Self::PullIn => true,
+            Self::HoldIn => is_open,
+            Self::FallOff => false,
+        }
+    }
+}
+
 /// One on/off valve. The poppet follows the coil after a delay; a coil edge inside the delay
 /// cancels the movement that was under way, so a pulse shorter than the delay does nothing.
 #[derive(Clone, Debug)]
@@ -86,6 +122,15 @@ mod tests {
     fn pulse_shorter_than_the_delay_does_nothing() {
         let mut v = Valve::new(3_500.0, 2_000.0, 0.0);
         assert_eq!(movements(&mut v, &[(1_000, true), (4_499, false)]), []);
+    }
+
+    #[test]
+    fn coils_need_less_voltage_to_hold_than_to_open() {
+        for (share, opens, holds) in
+            [(1.0, true, true), (0.7, true, true), (0.69, false, true), (0.35, false, true), (0.34, false, false)]
+        {
+            assert_eq!((Coils::at(share).act(false), Coils::at(share).act(true)), (opens, holds), "{share}");
+        }
     }
 
     #[test]

@@ -140,6 +140,41 @@ fn kinked_hose_fills_the_manifold_and_hardly_the_chamber() {
 }
 
 #[test]
+fn valves_without_voltage_stay_or_fall_closed() {
+    let vented_pa = |lost: f64, is_open: bool| {
+        let mut plant = charged(1);
+        run(&mut plant, if is_open { 20 } else { 0 }, VENT);
+        let before = pressures(&plant);
+        plant.inject(0, PartFault::ValveSupplySag { share: lost }).unwrap();
+        run(&mut plant, 100, VENT);
+        (before[0] - pressures(&plant)[0], plant.valve_supply_code())
+    };
+    // 24 V of 36.3 V are 2707.4 of 4095 codes. A valve that falls closed passes air for 2 ms more, an open one for 100 ms.
+    for (lost, code, opens, holds) in [(0.0, 2_707, true, true), (0.4, 1_624, false, true), (0.8, 541, false, false)] {
+        for (is_open, passes) in [(false, opens), (true, holds)] {
+            let (vented, read) = vented_pa(lost, is_open);
+            assert_eq!((vented > 3e3, read), (passes, code), "{lost} {is_open}: {vented}");
+        }
+    }
+}
+
+#[test]
+fn low_voltage_slows_the_pump_and_closes_the_supply() {
+    let risen = |lost: f64| {
+        let mut s = settings(1, 1);
+        s.supply = Supply::Pump(PumpSettings { initial_pressure_pa: 0.0, ..PumpSettings::default() });
+        let mut plant = Plant::new(&s).unwrap();
+        plant.inject(0, PartFault::ValveSupplySag { share: lost }).unwrap();
+        run(&mut plant, 200, FILL);
+        (plant.truth().supply_pressure_pa, pressures(&plant)[0])
+    };
+    let (full_pa, filled_pa) = risen(0.0);
+    let (slow_pa, kept_pa) = risen(0.8);
+    assert!(filled_pa > 500.0 && kept_pa.abs() < 10.0, "{filled_pa} {kept_pa}");
+    assert!(slow_pa < 0.5 * full_pa, "{slow_pa} {full_pa}");
+}
+
+#[test]
 fn stuck_supply_valve_does_not_follow_its_coil() {
     let filled = |fault: Option<PartFault>, supply_open| {
         let mut plant = charged(1);

@@ -36,7 +36,13 @@ impl SimulatedBoard {
         let (log, mut log_memory) = (Log::new(), ArrayMemory::new());
         prepare(&mut log_memory);
         let pressure = [AdcCode(0); MAX_CHANNELS];
-        let inputs = TickInputs { now_us: clocks.device_us(0), pressure, supply: AdcCode(0), emergency_stop: false };
+        let inputs = TickInputs {
+            now_us: clocks.device_us(0),
+            pressure,
+            supply: AdcCode(0),
+            valve_supply: AdcCode(0),
+            emergency_stop: false,
+        };
         Self {
             plant,
             to_device,
@@ -105,6 +111,7 @@ impl Board for SimulatedBoard {
             now_us: self.clocks.device_us(self.tick),
             pressure,
             supply: AdcCode(self.plant.supply_code()),
+            valve_supply: AdcCode(self.plant.valve_supply_code()),
             emergency_stop: self.emergency_stop,
         };
         self.inputs

@@ -6,8 +6,11 @@ use super::{ConfigError, known, number, within};
 use crate::flow::Orifice;
 use crate::gas::Absolute;
 use crate::pneumatics::Pneumatics;
-use crate::sensor::SensorScale;
+use crate::sensor::{SensorScale, VoltageScale};
 use crate::valve::{TICK_US, ValveTiming};
+
+/// Highest voltage of the valves' supply at the converter's full scale, mV: below the value that says "not sensed".
+const VALVE_SUPPLY_MAX_MV: u16 = 60_000;
 
 /// Timing, limits, air path and sensors of the device.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +37,10 @@ pub struct SystemConfig {
     pub sensor: SensorScale,
     /// Sensor of the supply.
     pub supply_sensor: SensorScale,
+    /// Divider at the valves' supply.
+    pub valve_supply: VoltageScale,
+    /// Lowest voltage of the valves' supply, mV; 0 if it is not watched.
+    pub valve_supply_min_mv: u16,
     /// Highest gauge pressure that the channel sensors measure, Pa.
     pub sensor_max_pa: f32,
     /// How pressures follow their references in Running; one that is known.
@@ -59,6 +66,11 @@ impl TryFrom<&ConfigSystem> for SystemConfig {
         let sensor_max_pa = above(number!(ConfigSystem, "sensor_max_pa"), wire.sensor_max_pa, sensor_min_pa)?;
         let supply_sensor_max_pa =
             above(number!(ConfigSystem, "supply_sensor_max_pa"), wire.supply_sensor_max_pa, supply_sensor_min_pa)?;
+        let valve_supply_mv = within(
+            number!(ConfigSystem, "valve_supply_full_scale_mv"),
+            wire.valve_supply_full_scale_mv,
+            0..=VALVE_SUPPLY_MAX_MV,
+        )?;
         Ok(Self {
             telemetry_period_us: within(
                 number!(ConfigSystem, "telemetry_period_us"),
@@ -87,6 +99,13 @@ impl TryFrom<&ConfigSystem> for SystemConfig {
             pneumatics: pneumatics(wire)?,
             sensor: SensorScale::new(sensor_min_pa, sensor_max_pa, full_scale),
             supply_sensor: SensorScale::new(supply_sensor_min_pa, supply_sensor_max_pa, full_scale),
+            valve_supply: VoltageScale::new(valve_supply_mv, full_scale),
+            // A voltage that is not sensed cannot be watched.
+            valve_supply_min_mv: within(
+                number!(ConfigSystem, "valve_supply_min_mv"),
+                wire.valve_supply_min_mv,
+                0..=valve_supply_mv,
+            )?,
             sensor_max_pa,
             pressure_loop: known(number!(ConfigSystem, "pressure_loop"), wire.pressure_loop)?.into(),
         })

@@ -21,6 +21,8 @@ pub(crate) struct Bench {
     /// Gauge pressures that the sensors show, Pa.
     pub(crate) pressure_pa: [f64; MAX_CHANNELS],
     pub(crate) supply_pa: f64,
+    /// Voltage of the valves' supply, V.
+    pub(crate) valve_supply_v: f64,
     /// Chambers that give the first channels' pressures; without them the pressures stay as set.
     pub(crate) fixtures: Vec<fixture::Fixture>,
     /// Raw codes that replace a sensor's.
@@ -44,6 +46,7 @@ impl Bench {
             now_us: 1_000_000,
             pressure_pa: [0.0; MAX_CHANNELS],
             supply_pa: fixture::SUPPLY_PA,
+            valve_supply_v: 24.0,
             fixtures: Vec::new(),
             code: [None; MAX_CHANNELS],
             emergency_stop: false,
@@ -152,6 +155,7 @@ impl Bench {
             now_us: self.now_us,
             pressure: std::array::from_fn(|i| self.code[i].map_or(code(self.pressure_pa[i], SENSOR_MAX_PA), AdcCode)),
             supply: code(self.supply_pa, SUPPLY_SENSOR_MAX_PA),
+            valve_supply: AdcCode((self.valve_supply_v / 36.3 * 4095.0).round() as u16),
             emergency_stop: self.emergency_stop,
         };
         let outputs = self.controller.tick(&inputs);

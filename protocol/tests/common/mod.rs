@@ -69,37 +69,37 @@ fn sample() -> impl Strategy<Value = ChannelSample> {
 }
 
 fn config_system() -> impl Strategy<Value = HostMessage> {
-    let integers = any::<(u16, [u32; 6], u16)>();
+    let integers = any::<(u16, [u32; 6], [u16; 3])>();
     let codes = (code(), code());
-    (integers, codes, vec(number(), 12)).prop_map(
-        |((session, u, adc_full_scale), (link_loss_policy, pressure_loop), f)| {
-            ConfigSystem {
-                session,
-                telemetry_period_us: u[0],
-                control_period_us: u[1],
-                link_timeout_us: u[2],
-                hold_time_us: u[3],
-                link_loss_policy,
-                vent_ramp_pa_per_s: f[0],
-                supply_min_pa: f[1],
-                supply_max_pa: f[2],
-                atmosphere_pa: f[3],
-                temperature_k: f[4],
-                valve_conductance_m3_per_s_pa: f[5],
-                valve_critical_ratio: f[6],
-                valve_on_delay_us: u[4],
-                valve_off_delay_us: u[5],
-                line_conductance_m3_per_s_pa: f[7],
-                sensor_min_pa: f[8],
-                sensor_max_pa: f[9],
-                supply_sensor_min_pa: f[10],
-                supply_sensor_max_pa: f[11],
-                adc_full_scale,
-                pressure_loop,
-            }
-            .into()
-        },
-    )
+    (integers, codes, vec(number(), 12)).prop_map(|((session, u, w), (link_loss_policy, pressure_loop), f)| {
+        ConfigSystem {
+            session,
+            telemetry_period_us: u[0],
+            control_period_us: u[1],
+            link_timeout_us: u[2],
+            hold_time_us: u[3],
+            link_loss_policy,
+            vent_ramp_pa_per_s: f[0],
+            supply_min_pa: f[1],
+            supply_max_pa: f[2],
+            atmosphere_pa: f[3],
+            temperature_k: f[4],
+            valve_conductance_m3_per_s_pa: f[5],
+            valve_critical_ratio: f[6],
+            valve_on_delay_us: u[4],
+            valve_off_delay_us: u[5],
+            line_conductance_m3_per_s_pa: f[7],
+            sensor_min_pa: f[8],
+            sensor_max_pa: f[9],
+            supply_sensor_min_pa: f[10],
+            supply_sensor_max_pa: f[11],
+            adc_full_scale: w[0],
+            pressure_loop,
+            valve_supply_full_scale_mv: w[1],
+            valve_supply_min_mv: w[2],
+        }
+        .into()
+    })
 }
 
 fn config_channel() -> impl Strategy<Value = HostMessage> {
@@ -215,9 +215,15 @@ fn samples_message() -> impl Strategy<Value = DeviceMessage> {
 }
 
 fn ticks_message() -> impl Strategy<Value = DeviceMessage> {
-    let tick = (any::<(u8, u16, u32)>(), list(any::<u16>())).prop_map(|((bits, supply_code, outputs_crc), codes)| {
-        Tick { flags: TickFlags::from_bits(bits), supply_code, outputs_crc, codes }
-    });
+    let tick = (any::<(u8, u16, u16, u32)>(), list(any::<u16>())).prop_map(
+        |((bits, supply_code, valve_supply_code, outputs_crc), codes)| Tick {
+            flags: TickFlags::from_bits(bits),
+            supply_code,
+            valve_supply_code,
+            outputs_crc,
+            codes,
+        },
+    );
     (any::<(u64, u32)>(), vec(tick, 1..4)).prop_map(|((time_us, left_out), all)| {
         let ticks = batch(all, |batch, tick| batch.len() < 3 && batch.push(tick).is_ok());
         Ticks { time_us, left_out, ticks }.into()
@@ -264,18 +270,19 @@ fn hello_reply() -> impl Strategy<Value = DeviceMessage> {
 }
 
 fn telemetry() -> impl Strategy<Value = DeviceMessage> {
-    let numbers = any::<(u64, u16, u16, u16, u32, u16, u16, u8)>();
+    let numbers = any::<(u64, [u16; 4], u32, u16, u16, u8)>();
     (numbers, code(), list(sample())).prop_map(|(n, state, channels)| {
         Telemetry {
             time_us: n.0,
             state,
-            fault_bits: n.1,
-            supply_10pa: n.2,
-            free_knots: n.3,
-            next_index: n.4,
-            ticks_late: n.5,
-            stack_used: n.6,
-            outputs: Outputs::from_bits(n.7),
+            fault_bits: n.1[0],
+            supply_10pa: n.1[1],
+            valve_supply_mv: n.1[2],
+            free_knots: n.1[3],
+            next_index: n.2,
+            ticks_late: n.3,
+            stack_used: n.4,
+            outputs: Outputs::from_bits(n.5),
             channels,
         }
         .into()

@@ -12,6 +12,9 @@ pub(crate) type TickOutputs = softlimb_firmware::TickOutputs<CHANNELS>;
 const EMPTY: i32 = 410;
 const SUPPLY: i32 = 1_360;
 
+/// Code of 24 V at the valves' supply.
+const VALVE_SUPPLY: u16 = 2_708;
+
 /// A code has as many parts as a tick has microseconds. Filling adds `FILL` parts a microsecond; venting takes half a part, and three thousandths for
 /// each code above that of an empty chamber. This is about what the device expects: else it would find its valves faulty.
 const PARTS: i32 = 1_000;
@@ -157,7 +160,8 @@ impl Board<CHANNELS> for Surroundings {
     fn inputs(&mut self) -> TickInputs<CHANNELS> {
         let code = |channel: usize| AdcCode((self.levels[channel] / PARTS + self.drops[channel]) as u16);
         let pressure = core::array::from_fn(code);
-        TickInputs { now_us: self.now_us, pressure, supply: AdcCode(SUPPLY as u16), emergency_stop: false }
+        let (supply, valve_supply) = (AdcCode(SUPPLY as u16), AdcCode(VALVE_SUPPLY));
+        TickInputs { now_us: self.now_us, pressure, supply, valve_supply, emergency_stop: false }
     }
 
     fn apply(&mut self, _: &TickOutputs) {}

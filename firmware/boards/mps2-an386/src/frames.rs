@@ -82,6 +82,7 @@ fn telemetry() -> Telemetry {
         state: DeviceState::Running.into(),
         fault_bits: 0,
         supply_10pa: 20_000,
+        valve_supply_mv: 24_004,
         free_knots: 44,
         next_index: 617,
         ticks_late: 0,

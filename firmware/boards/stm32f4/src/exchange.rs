@@ -6,7 +6,7 @@
 use softlimb_firmware::{AdcCode, ValvePulse};
 use softlimb_protocol::Outputs;
 
-use crate::pins::{CHANNELS, TickInputs, TickOutputs};
+use crate::pins::{CHANNELS, SENSORS, TickInputs, TickOutputs};
 
 /// The most bytes of the link in one query; more wait for the next tick.
 pub const RECEIVED_MAX: usize = 2048;
@@ -15,7 +15,7 @@ pub const RECEIVED_MAX: usize = 2048;
 pub const SENT_MAX: usize = 256;
 
 /// Length of the fixed part of a query, bytes.
-pub const QUERY_LEN: usize = 8 + 1 + 2 + 2 + 2 * (CHANNELS + 1);
+pub const QUERY_LEN: usize = 8 + 1 + 2 + 2 + 2 * SENSORS;
 
 /// Length of the fixed part of an answer, bytes.
 pub const ANSWER_LEN: usize = 4 + 4 * CHANNELS + 1 + 1 + 1 + 2;
@@ -56,7 +56,13 @@ pub struct Answer {
 impl Query {
     /// The end of an emulation.
     pub const END: Self = Self {
-        inputs: TickInputs { now_us: 0, pressure: [AdcCode(0); CHANNELS], supply: AdcCode(0), emergency_stop: false },
+        inputs: TickInputs {
+            now_us: 0,
+            pressure: [AdcCode(0); CHANNELS],
+            supply: AdcCode(0),
+            valve_supply: AdcCode(0),
+            emergency_stop: false,
+        },
         room: 0,
         received: 0,
         last: true,
@@ -81,6 +87,7 @@ impl Query {
             writer.put(code.0.to_le_bytes());
         }
         writer.put(self.inputs.supply.0.to_le_bytes());
+        writer.put(self.inputs.valve_supply.0.to_le_bytes());
         bytes
     }
 
@@ -96,7 +103,8 @@ impl Query {
             *code = AdcCode(u16::from_le_bytes(reader.take()));
         }
         let supply = AdcCode(u16::from_le_bytes(reader.take()));
-        let inputs = TickInputs { now_us, pressure, supply, emergency_stop: flags & STOP_PRESSED != 0 };
+        let valve_supply = AdcCode(u16::from_le_bytes(reader.take()));
+        let inputs = TickInputs { now_us, pressure, supply, valve_supply, emergency_stop: flags & STOP_PRESSED != 0 };
         Self {
             inputs,
             room,
@@ -176,7 +184,8 @@ mod tests {
             (*code, *pulse) = (AdcCode(257 * number), ValvePulse { fill_us: 3 * number, vent_us: 1_000 - number });
         }
         for (emergency_stop, last) in [(false, false), (true, false), (false, true), (true, true)] {
-            let inputs = TickInputs { now_us: u64::MAX - 7, pressure, supply: AdcCode(0xabcd), emergency_stop };
+            let (supply, valve_supply) = (AdcCode(0xabcd), AdcCode(0x1357));
+            let inputs = TickInputs { now_us: u64::MAX - 7, pressure, supply, valve_supply, emergency_stop };
             let (after_crash, link_alone) = (emergency_stop != last, !emergency_stop);
             let query = Query { inputs, room: 0x1234, received: 0x0567, last, after_crash, link_alone };
             assert_eq!(Query::decode(&query.encode()), query);
@@ -188,8 +197,7 @@ mod tests {
 
     #[test]
     fn last_byte_of_each_part_is_in_use() {
-        let inputs =
-            TickInputs { now_us: 0, pressure: [AdcCode(0); CHANNELS], supply: AdcCode(0xff00), emergency_stop: false };
+        let inputs = TickInputs { valve_supply: AdcCode(0xff00), ..Query::END.inputs };
         let query = Query { inputs, room: 0, received: 0, last: false, after_crash: false, link_alone: false };
         assert_eq!(query.encode().last(), Some(&0xff));
         assert_eq!(Answer { cost: 0, outputs: TickOutputs::SAFE, sent: 0xff00 }.encode().last(), Some(&0xff));

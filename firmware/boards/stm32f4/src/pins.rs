@@ -16,8 +16,8 @@ pub type TickInputs = softlimb_firmware::TickInputs<CHANNELS>;
 /// Outputs of its tick.
 pub type TickOutputs = softlimb_firmware::TickOutputs<CHANNELS>;
 
-/// Converter inputs: the channels' sensors and the supply's.
-pub const SENSORS: usize = CHANNELS + 1;
+/// Converter inputs: the channels' sensors, the supply's and the voltage of the valves' supply.
+pub const SENSORS: usize = CHANNELS + 2;
 
 /// Ports in use.
 pub const PORTS: usize = 3;
@@ -87,9 +87,20 @@ pub const GRIPPER: Pin = c(4);
 /// The digital outputs with their pins.
 pub const DIGITAL: [(Outputs, Pin); 1] = [(Outputs::GRIPPER, GRIPPER)];
 
-/// Sensors of the channels, then of the supply, with their input of the converter.
-pub const SENSOR: [(Pin, u8); SENSORS] =
-    [(a(0), 0), (a(1), 1), (a(4), 4), (a(6), 6), (a(7), 7), (b(0), 8), (b(1), 9), (c(0), 10), (c(1), 11), (c(2), 12)];
+/// Sensors of the channels, then of the supply, then the divider at the valves' supply, with their input of the converter.
+pub const SENSOR: [(Pin, u8); SENSORS] = [
+    (a(0), 0),
+    (a(1), 1),
+    (a(4), 4),
+    (a(6), 6),
+    (a(7), 7),
+    (b(0), 8),
+    (b(1), 9),
+    (c(0), 10),
+    (c(1), 11),
+    (c(2), 12),
+    (c(5), 15),
+];
 
 /// The emergency stop: a contact to ground that opens when it is pressed, so that a broken wire stops too.
 pub const EMERGENCY_STOP: Pin = c(3);
@@ -161,8 +172,9 @@ impl fmt::Display for Table {
         for (channel, (pin, input)) in SENSOR.iter().take(CHANNELS).enumerate() {
             writeln!(f, "| {pin} | pressure sensor of channel {channel} | analog, ADC1 input {input} |")?;
         }
-        if let Some((pin, input)) = SENSOR.last() {
-            writeln!(f, "| {pin} | pressure sensor of the supply | analog, ADC1 input {input} |")?;
+        if let [.., (supply, supply_input), (divider, divider_input)] = SENSOR {
+            writeln!(f, "| {supply} | pressure sensor of the supply | analog, ADC1 input {supply_input} |")?;
+            writeln!(f, "| {divider} | voltage of the valves' supply, divided | analog, ADC1 input {divider_input} |")?;
         }
         writeln!(f, "| {EMERGENCY_STOP} | emergency stop | input, pulled up; high stops |")?;
         writeln!(f, "| {LINK_OUT} | link to the host | USART2 TX, 3.3 V, 921600 baud, 8N1 |")?;

@@ -6,10 +6,10 @@ use softlimb_image_stm32f4::schedule::{PumpDensity, schedule};
 
 /// The part of the inputs that the board has channels for.
 pub(super) fn narrowed(inputs: &TickInputs) -> pins::TickInputs {
-    let TickInputs { now_us, pressure: all, supply, emergency_stop } = *inputs;
+    let TickInputs { now_us, pressure: all, supply, valve_supply, emergency_stop } = *inputs;
     let mut pressure = [AdcCode(0); CHANNELS];
     pressure.iter_mut().zip(all).for_each(|(place, code)| *place = code);
-    pins::TickInputs { now_us, pressure, supply, emergency_stop }
+    pins::TickInputs { now_us, pressure, supply, valve_supply, emergency_stop }
 }
 
 /// The outputs of the board, and nothing on the channels that it has not.

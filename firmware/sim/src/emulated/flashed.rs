@@ -161,7 +161,7 @@ impl Flashed {
             return Err(io::Error::other("the emulator has no input for the emergency stop; send the command").into());
         }
         let channels = inputs.pressure.iter().take(CHANNELS);
-        let codes: Vec<u16> = channels.chain([&inputs.supply]).map(|code| code.0).collect();
+        let codes: Vec<u16> = channels.chain([&inputs.supply, &inputs.valve_supply]).map(|code| code.0).collect();
         let memory: Vec<u8> = (0..ROUNDS)
             .flat_map(|round| codes.iter().map(move |&code| converted(code, round)))
             .flat_map(u16::to_le_bytes)

@@ -163,7 +163,7 @@ fn samples(channels: usize, count: u8) -> Option<DeviceMessage> {
 
 fn ticks(channels: usize, count: u8) -> Option<DeviceMessage> {
     let codes = of_channels(channels, u16::MAX)?;
-    let tick = Tick { flags: TickFlags::default(), supply_code: 1, outputs_crc: u32::MAX, codes };
+    let tick = Tick { flags: TickFlags::default(), supply_code: 1, valve_supply_code: 1, outputs_crc: u32::MAX, codes };
     let mut ticks = Batch::new();
     (0..count).for_each(|_| {
         // The batch holds them: there are at most `Ticks::most`.
@@ -179,6 +179,7 @@ fn telemetry(channels: usize) -> Option<DeviceMessage> {
         state: DeviceState::Running.into(),
         fault_bits: 0,
         supply_10pa: 1,
+        valve_supply_mv: 1,
         free_knots: 1,
         next_index: 1,
         ticks_late: 0,

@@ -17,7 +17,7 @@ pub static SAMPLES: [AtomicU16; CODES] = [const { AtomicU16::new(0) }; CODES];
 /// 84 cycles a sample, in the registers of the sampling times.
 const CYCLES_84: u32 = 0b100;
 
-/// Starts the conversions: ten in 46 us at 21 MHz.
+/// Starts the conversions: eleven in 50 us at 21 MHz.
 pub fn start(adc: &ADC1, common: &ADC_COMMON, dma: &DMA2, rcc: &mut Rcc) {
     rcc.apb2enr().modify(|_, w| w.adc1en().set_bit());
     rcc.ahb1enr().modify(|_, w| w.dma2en().set_bit());
@@ -70,7 +70,7 @@ pub fn take() -> [u16; SENSORS] {
     let mut means = [Mean::NONE; SENSORS];
     for round in SAMPLES.chunks_exact(SENSORS) {
         for (mean, code) in means.iter_mut().zip(round) {
-            // A code that comes in between is lost: one of twenty.
+            // A code that comes in between is lost: one of eighteen.
             mean.add(code.load(Ordering::Relaxed));
             code.store(0, Ordering::Relaxed);
         }

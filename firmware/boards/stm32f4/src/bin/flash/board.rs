@@ -79,8 +79,10 @@ impl Board<CHANNELS> for FlashedBoard {
         let ticks = COUNTS.ticks.load(Ordering::Relaxed);
         self.now_ticks += u64::from(ticks.wrapping_sub(self.ticks));
         self.ticks = ticks;
-        let [pressure @ .., supply] = converter::take().map(|code| AdcCode(if self.is_trusted { code } else { 0 }));
-        TickInputs { now_us: self.now_us(), pressure, supply, emergency_stop: ports::is_high(EMERGENCY_STOP) }
+        let [pressure @ .., supply, valve_supply] =
+            converter::take().map(|code| AdcCode(if self.is_trusted { code } else { 0 }));
+        let emergency_stop = ports::is_high(EMERGENCY_STOP);
+        TickInputs { now_us: self.now_us(), pressure, supply, valve_supply, emergency_stop }
     }
 
     fn apply(&mut self, outputs: &TickOutputs) {
