@@ -109,6 +109,30 @@ fn without_a_sensor_nothing_can_be_started() {
 }
 
 #[test]
+fn a_voltage_that_the_valves_lose_is_named_with_its_value() {
+    on_every_device("a_voltage_that_the_valves_lose_is_named_with_its_value", |name, host| {
+        host.get_ready(CHANNELS, SetpointKind::Pressure);
+        live(host, 100_000);
+        // The converter reads 24 V of 36.3 V as 2707 codes, and 4.8 V as 541.
+        assert_eq!(host.telemetry().last().map(|telemetry| telemetry.valve_supply_mv), Some(23_996), "{name}");
+        host.mcu.inject(0, PartFault::ValveSupplySag { share: 0.8 }).expect("a supply");
+        live(host, 200_000);
+        let fault = hear(host, name, |message| match message {
+            DeviceMessage::Fault(fault) => Some(fault.clone()),
+            _ => None,
+        });
+        assert_eq!((fault.code.known(), fault.channel), (Some(FaultCode::ValveSupplyLow), SYSTEM_CHANNEL), "{name}");
+        assert_eq!((fault.value, state(host)), (4_795, Some(DeviceState::Faulted)), "{name}");
+        let clear = Command { session: SESSION, code: CommandCode::ClearFaults.into(), time_us: 0 };
+        assert_eq!(host.ask(clear), Some(ResultCode::WrongState), "{name}");
+        host.mcu.inject(0, PartFault::ValveSupplySag { share: 0.0 }).expect("a supply");
+        live(host, 50_000);
+        let clear = Command { session: SESSION, code: CommandCode::ClearFaults.into(), time_us: 0 };
+        assert_eq!(host.ask(clear), Some(ResultCode::Ok), "{name}");
+    });
+}
+
+#[test]
 fn a_pressure_is_reached_and_held() {
     on_every_device("a_pressure_is_reached_and_held", |name, host| {
         host.get_ready(CHANNELS, SetpointKind::Pressure);

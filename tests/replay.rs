@@ -103,14 +103,17 @@ fn fault_decisions_of_a_log_are_made_again() {
         ("sensor-zero@1,0", "fall of a reading without venting"),
         ("supply-stuck-closed@0.5", "less air than the valves explain"),
         ("fill-stuck-open@1,0", "more air than the valves explain"),
+        ("valve-supply-sag@1", "voltage of the valves' supply too low at 4.8 V"),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let faults = vec![fault.parse().unwrap()];
         let options = RunOptions { faults, ..options(folder.path(), 4) };
-        let Err(RunError::Stopped { files, .. }) = run_with(&scene_with(SCENE, ""), &options) else {
+        let watched = "[limits]\nvalve_voltage_min = \"20 V\"\n";
+        let Err(RunError::Stopped { files, .. }) = run_with(&scene_with(SCENE, watched), &options) else {
             panic!("{fault} stops no run");
         };
         let heard = &files.run.faults;
+        assert_eq!(files.run.samples[0].valve_supply_v, Some(23.996));
         assert!(heard.first().is_some_and(|heard| heard.text.starts_with(told)), "{fault}: {heard:?}");
         let again = rerun(&files.log);
         assert!(again.is_exact && again.ticks_compared == again.ticks, "{fault}: {again:?}");

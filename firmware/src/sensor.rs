@@ -1,5 +1,7 @@
 //! From ADC codes to calibrated gauge pressure: ratiometric conversion, plausibility, zero.
 
+use softlimb_protocol::Telemetry;
+
 /// A raw sample of the converter, `0..=` the full scale of the configuration. Not a pressure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct AdcCode(pub u16);
@@ -68,18 +70,15 @@ pub struct VoltageScale {
 }
 
 impl VoltageScale {
-    /// [`Self::millivolts`] of a divider that the board does not have; above every voltage of one that it has.
-    pub const NOT_SENSED_MV: u16 = u16::MAX;
-
     /// A divider that reaches `full_scale` codes (> 0) at `full_scale_mv`; 0 mV if the board has none.
     pub fn new(full_scale_mv: u16, full_scale: u16) -> Self {
         Self { full_scale_mv, full_scale }
     }
 
-    /// Voltage of a sample, mV, rounded down.
+    /// Voltage of a sample, mV, rounded down: at most the full scale. [`Telemetry::VALVE_SUPPLY_NOT_SENSED`] without a divider.
     pub fn millivolts(&self, code: AdcCode) -> u16 {
         if self.full_scale_mv == 0 {
-            return Self::NOT_SENSED_MV;
+            return Telemetry::VALVE_SUPPLY_NOT_SENSED;
         }
         let code = u32::from(code.0.min(self.full_scale));
         // At most the full scale, so that the cast loses nothing.
@@ -253,7 +252,7 @@ mod tests {
             assert_eq!(divider.millivolts(AdcCode(code)), millivolts, "{code}");
         }
         assert_eq!(VoltageScale::new(60_000, u16::MAX).millivolts(AdcCode(u16::MAX)), 60_000);
-        assert_eq!(VoltageScale::new(0, 4_095).millivolts(AdcCode(2_708)), VoltageScale::NOT_SENSED_MV);
+        assert_eq!(VoltageScale::new(0, 4_095).millivolts(AdcCode(2_708)), Telemetry::VALVE_SUPPLY_NOT_SENSED);
     }
 
     #[test]

@@ -764,6 +764,11 @@ interface! {
 /// The `channel` of a [`Fault`] that concerns no single channel.
 pub const SYSTEM_CHANNEL: u8 = 0xFF;
 
+impl Telemetry {
+    /// `valve_supply_mv` of a board that does not sense the voltage; no voltage reaches it.
+    pub const VALVE_SUPPLY_NOT_SENSED: u16 = u16::MAX;
+}
+
 impl LinkErrors {
     /// No error.
     pub const NONE: Self = Self { overrun: 0, framing: 0, noise: 0, parity: 0, queue_full: 0 };

@@ -103,6 +103,7 @@ fn matrix() -> Vec<Row> {
         ("hose-kinked", any, &[]),
         ("supply-stuck-open", any, &[]),
         ("supply-stuck-closed", any, &["fill"]),
+        ("valve-supply-sag", &[ValveSupplyLow], ALWAYS),
     ]
 }
 

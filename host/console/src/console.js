@@ -254,7 +254,8 @@
     Object.assign(page, { session: view ? view.session : "none", commands, moving: !!(view && view.moving) });
     by_id("state").textContent = view ? (view.device && (live || vented) ? view.device : view.session) : "no connection";
     by_id("clock").textContent = view && view.time_s !== null ? `${view.time_s.toFixed(1)} s` : "";
-    by_id("supply").textContent = view && view.supply_pa !== null ? `supply ${kpa(view.supply_pa)} kPa` : "";
+    const valves = view && view.valve_supply_v !== null ? `, valves ${view.valve_supply_v.toFixed(1)} V` : "";
+    by_id("supply").textContent = view && view.supply_pa !== null ? `supply ${kpa(view.supply_pa)} kPa${valves}` : "";
     by_id("clearance").textContent = view && view.nearest ? `${mm(view.nearest[0])} mm from ${view.nearest[1]}` : "";
     by_id("role").textContent = commands ? "this page commands" : free ? "no page commands" : "this page looks: another one commands";
     by_id("take").hidden = commands || !free;

@@ -36,8 +36,12 @@ fn wire_number(channel: usize) -> u8 {
     u8::try_from(channel).unwrap_or(u8::MAX)
 }
 
+/// Voltage at the converter's full scale, mV: 3.3 V behind the divider of `docs/reference/hardware.md`.
+const VALVE_SUPPLY_FULL_SCALE_MV: u16 = 36_300;
+
 fn system(scene: &Scene) -> ConfigSystem {
     let (controller, plant, limits) = (scene.controller(), scene.plant(), scene.limits());
+    let voltage_min_v = limits.valve_voltage_min_v.as_deref();
     ConfigSystem {
         session: 0,
         telemetry_period_us: controller.telemetry_period_us,
@@ -71,6 +75,9 @@ fn system(scene: &Scene) -> ConfigSystem {
             PressureLoop::OnOff => PressureLoopKind::OnOff,
         }
         .into(),
+        // A board may have no divider: its input then has no meaning.
+        valve_supply_full_scale_mv: voltage_min_v.map_or(0, |_| VALVE_SUPPLY_FULL_SCALE_MV),
+        valve_supply_min_mv: voltage_min_v.map_or(0, |least_v| (1e3 * least_v).round() as u16),
     }
 }
 

@@ -131,6 +131,7 @@ fn telemetry(log: &RunLog) -> Vec<Column> {
         whole("state", samples.iter().map(|sample| sample.state)),
         whole("fault_bits", samples.iter().map(|sample| sample.fault_bits)),
         numbers("supply_pa", samples.iter().map(|sample| sample.supply_pa)),
+        numbers("valve_supply_v", samples.iter().map(|sample| known(sample.valve_supply_v))),
         whole("output_bits", samples.iter().map(|sample| sample.outputs.bits)),
     ];
     for index in 0..log.info.channel_count() {
@@ -307,6 +308,7 @@ fn ticks(capture: &Capture) -> Vec<Column> {
         whole("pump_duty_255", ticks.iter().map(|tick| tick.pump_duty)),
         whole("output_bits", ticks.iter().map(|tick| tick.outputs)),
         numbers("supply_code", ticks.iter().map(|tick| code(tick.codes.last()))),
+        whole("valve_supply_code", ticks.iter().map(|tick| tick.valve_supply_code)),
     ];
     for channel in 0..channels {
         let pulse = |tick: &DeviceTick| tick.pulses.iter().find(|pulse| usize::from(pulse.channel) == channel).copied();

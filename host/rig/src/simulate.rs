@@ -3,7 +3,7 @@
 use softlimb_sim::SimSettings;
 use softlimb_sim::plant::{
     ActuatorLaw, ChannelSettings, PlantSettings, PumpSettings, SegmentSettings, SensorSettings, Spread, Supply,
-    TubeSettings, ValveSettings,
+    TubeSettings, ValveSettings, ValveSupplySettings,
 };
 
 use fra_model::{ActuatorParameters, Fiber, State};
@@ -46,6 +46,11 @@ pub fn settings(scene: &Scene, limb: &Limb, seed: u64) -> SimSettings {
     settings.temperature_k = plant.ambient.temperature_k;
     settings.supply = supply(&plant.supply);
     settings.supply_sensor = sensor(&plant.sensor, plant.sensor.supply_full_scale_pa);
+    settings.valve_supply = ValveSupplySettings {
+        voltage_v: plant.valve.voltage_v,
+        adc_full_scale: plant.sensor.adc_full_scale(),
+        ..ValveSupplySettings::default()
+    };
     settings.spread = spread(&plant.spread);
     settings.gripper_time_s = scene.gripper_time_s();
     SimSettings { seed, ..SimSettings::new(settings) }

@@ -157,6 +157,7 @@ fn link(count: u64) -> (Vec<WireBytes>, Vec<DeviceTick>) {
     let tick = |index| DeviceTick {
         device_us: 100_000 * (index / 2) + 1_000 * (index % 2),
         codes: vec![410, index as u16, 3_000],
+        valve_supply_code: 2_700 + index as u16,
         stop_pressed: false,
         supply_open: index % 5 > 0,
         pump_duty: index as u8,

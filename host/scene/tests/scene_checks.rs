@@ -211,6 +211,19 @@ fn supply() {
 }
 
 #[test]
+fn valve_voltage() {
+    let limits = |least: &str| format!("[limits]\nvalve_voltage_min = {least}");
+    let rule = "`valve_voltage_min` is not below the `voltage` of the valves: 24 V";
+    expect(&changed("[limits]", &limits("\"24 V\"")), rule, "\"24 V\"");
+    let rule = "`valve_voltage_min` is not below the `voltage` of the valves: 12 V";
+    let twelve = format!("[plant.valve]\nvoltage = \"12 V\"\n{}", limits("20"));
+    expect(&changed("[limits]", &twelve), rule, "20");
+    let scene = parse(&changed("[limits]", &limits("\"20000 mV\"")), "arm.toml").unwrap();
+    assert_eq!(scene.limits().valve_voltage_min_v.map(|least| *least), Some(20.0));
+    expect(&changed("[limits]", &limits("\"20 kPa\"")), "`valve_voltage_min` needs a voltage", "\"20 kPa\"");
+}
+
+#[test]
 fn plant_and_controller() {
     let add = |text: &str| format!("{SCENE}{text}");
     let rule = "`creep` has no meaning for the simple limb: `limb = \"body\"` has them";

@@ -60,7 +60,10 @@ fn log_is_exported_to_tables_and_json() {
         text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
     };
     let telemetry = rows("telemetry");
-    assert_eq!(telemetry[0][..6].join(","), "time_s,state,fault_bits,supply_pa,output_bits,channel_0_pressure_pa");
+    assert_eq!(
+        telemetry[0][..7].join(","),
+        "time_s,state,fault_bits,supply_pa,valve_supply_v,output_bits,channel_0_pressure_pa"
+    );
     assert_eq!(telemetry.len(), run.samples.len() + 1);
     let truth = rows("truth");
     let place = truth[0].iter().position(|name| name == "finger_bend_angle_rad").unwrap();

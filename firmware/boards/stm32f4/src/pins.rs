@@ -172,10 +172,9 @@ impl fmt::Display for Table {
         for (channel, (pin, input)) in SENSOR.iter().take(CHANNELS).enumerate() {
             writeln!(f, "| {pin} | pressure sensor of channel {channel} | analog, ADC1 input {input} |")?;
         }
-        if let [.., (supply, supply_input), (divider, divider_input)] = SENSOR {
-            writeln!(f, "| {supply} | pressure sensor of the supply | analog, ADC1 input {supply_input} |")?;
-            writeln!(f, "| {divider} | voltage of the valves' supply, divided | analog, ADC1 input {divider_input} |")?;
-        }
+        let [.., (supply, supply_input), (divider, divider_input)] = SENSOR;
+        writeln!(f, "| {supply} | pressure sensor of the supply | analog, ADC1 input {supply_input} |")?;
+        writeln!(f, "| {divider} | voltage of the valves' supply, divided | analog, ADC1 input {divider_input} |")?;
         writeln!(f, "| {EMERGENCY_STOP} | emergency stop | input, pulled up; high stops |")?;
         writeln!(f, "| {LINK_OUT} | link to the host | USART2 TX, 3.3 V, 921600 baud, 8N1 |")?;
         writeln!(f, "| {LINK_IN} | link from the host | USART2 RX |")

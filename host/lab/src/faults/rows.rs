@@ -4,11 +4,12 @@ use std::ops::Range;
 
 use softlimb_protocol::FaultCode::{
     self, EmergencyStop, ExcessAir, FillWithoutEffect, LinkLost, MissingAir, OverPressure, ReadingJumped, SensorFrozen,
-    SensorImplausible, SupplyLow,
+    SensorImplausible, SupplyLow, ValveSupplyLow,
 };
 use softlimb_sim::plant::PartFault::{
     self, CoilsSwapped, FillStuckClosed, FillStuckOpen, HoseKinked, Leak, PumpWeak, ReferenceSag, SensorDrift,
-    SensorOpen, SensorZero, SensorsSwapped, SupplyStuckClosed, SupplyStuckOpen, VentStuckClosed, VentStuckOpen,
+    SensorOpen, SensorZero, SensorsSwapped, SupplyStuckClosed, SupplyStuckOpen, ValveSupplySag, VentStuckClosed,
+    VentStuckOpen,
 };
 
 use super::bench::CHANNELS;
@@ -86,7 +87,7 @@ const EMPTY: &str = "named once the pressure rises: from an almost empty chamber
 
 /// All rows.
 #[must_use]
-pub fn rows() -> [Row; 34] {
+pub fn rows() -> [Row; 36] {
     use Deadline::{Effect, Never, Zero};
     use Fault::{Part, Reset, Silence, Stall, Stop};
     [
@@ -119,6 +120,20 @@ pub fn rows() -> [Row; 34] {
         row("pump-weak 50 %", &[Part(PumpWeak { share: 0.5 })], &[], Never, ""),
         row("reference-sag 10 %", &[Part(ReferenceSag { share: 0.1 })], &[], Never, ""),
         row("reference-sag 3 %", &[Part(ReferenceSag { share: 0.03 })], &[], Never, ""),
+        row(
+            "valve-supply-sag 80 %",
+            &[Part(ValveSupplySag { share: 0.8 })],
+            &[ValveSupplyLow],
+            Deadline::Fault(10),
+            "",
+        ),
+        row(
+            "valve-supply-sag 40 %",
+            &[Part(ValveSupplySag { share: 0.4 })],
+            &[ValveSupplyLow],
+            Deadline::Fault(10),
+            "",
+        ),
         row("emergency-stop", &[Stop], &[EmergencyStop], Deadline::Fault(5), ""),
         row("device-reset", &[Reset], &[], Never, ""),
         row("link-silent", &[Silence], &[LinkLost], Deadline::Fault(300), ""),

@@ -71,6 +71,7 @@ impl fmt::Display for DeviceFault {
                 // Adding zero turns the -0.0 of a small negative value into 0.0.
                 write!(f, " at {:.1} kPa", (f64::from(value) * 1e-2).round() / 10.0 + 0.0)
             }
+            Some(FaultCode::ValveSupplyLow) => write!(f, " at {:.1} V", f64::from(value) * 1e-3),
             Some(FaultCode::LinkLost | FaultCode::TickOverrun) => write!(f, " for {:.1} ms", f64::from(value) * 1e-3),
             Some(FaultCode::SetpointsExhausted) => write!(f, " at knot {value}"),
             Some(FaultCode::EmergencyStop) | None => Ok(()),
@@ -87,6 +88,7 @@ pub(super) fn name(code: Code<FaultCode>) -> String {
         Some(FaultCode::SetpointsExhausted) => "no setpoints left",
         Some(FaultCode::SupplyLow) => "supply pressure too low",
         Some(FaultCode::SupplyHigh) => "supply pressure too high",
+        Some(FaultCode::ValveSupplyLow) => "voltage of the valves' supply too low",
         Some(FaultCode::EmergencyStop) => "emergency stop",
         Some(FaultCode::InverseFailed) => "deformation out of reach",
         Some(FaultCode::TickOverrun) => "late control tick",
@@ -118,8 +120,10 @@ mod tests {
         assert_eq!(DeviceFault::from(&fault).to_string(), "over-pressure on channel 3 at 151.2 kPa");
         let at_rest = Fault { value: -30, ..fault.clone() };
         assert_eq!(DeviceFault::from(&at_rest).to_string(), "over-pressure on channel 3 at 0.0 kPa");
-        let system = Fault { channel: SYSTEM_CHANNEL, code: FaultCode::EmergencyStop.into(), ..fault };
+        let system = Fault { channel: SYSTEM_CHANNEL, code: FaultCode::EmergencyStop.into(), ..fault.clone() };
         assert_eq!(DeviceFault::from(&system).to_string(), "emergency stop");
+        let volts = Fault { code: FaultCode::ValveSupplyLow.into(), value: 19_989, ..system };
+        assert_eq!(DeviceFault::from(&volts).to_string(), "voltage of the valves' supply too low at 20.0 V");
     }
 
     #[test]

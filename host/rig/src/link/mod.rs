@@ -52,6 +52,6 @@ pub use statistics::{LinkStatistics, PortErrors, RoundTrip};
 pub use stream::{Ending, Summary, stream};
 pub use trajectory::Knot;
 pub use transport::Transport;
-pub use words::{code_name, fault_names, status_names};
+pub use words::{code_name, fault_names, status_names, valve_supply_v};
 
 pub use softlimb_protocol::{Outputs, PulseDirection};

@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use softlimb_protocol::{ChannelStatus, Code, CodeSet, FaultCode};
+use softlimb_protocol::{ChannelStatus, Code, CodeSet, FaultCode, Telemetry};
 
 use super::fault;
 
@@ -17,6 +17,13 @@ pub fn code_name<T: CodeSet + Debug>(code: Code<T>) -> String {
 pub fn fault_names(bits: u16) -> Vec<String> {
     let is_set = |number: &u8| bits & 1 << (number - 1) != 0;
     (1..=16).filter(is_set).map(|number| fault::name(Code::<FaultCode>::from_raw(number))).collect()
+}
+
+/// Voltage of the valves' supply, V; `None` if the board does not sense it.
+#[must_use]
+pub fn valve_supply_v(message: &Telemetry) -> Option<f64> {
+    let is_sensed = message.valve_supply_mv != Telemetry::VALVE_SUPPLY_NOT_SENSED;
+    is_sensed.then(|| f64::from(message.valve_supply_mv) * 1e-3)
 }
 
 /// The condition of a channel in words; none where all is well.

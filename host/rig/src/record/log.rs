@@ -205,6 +205,9 @@ pub struct Sample {
     pub fault_bits: u16,
     /// Gauge pressure of the supply, Pa.
     pub supply_pa: f64,
+    /// Voltage of the valves' supply, V; `None` if the board does not sense it, and in logs of earlier versions.
+    #[serde(default)]
+    pub valve_supply_v: Option<f64>,
     /// Digital outputs.
     #[serde(default)]
     pub outputs: OutputSample,

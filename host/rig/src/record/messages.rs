@@ -130,6 +130,7 @@ pub(super) fn encode_telemetry(unix_ns: u64, sample: &Sample) -> Vec<u8> {
     cdr.f64_sequence(sample.channels.iter().map(|channel| channel.duty));
     cdr.length(sample.channels.len());
     sample.channels.iter().for_each(|channel| cdr.u8(channel.status));
+    cdr.f64(sample.valve_supply_v.unwrap_or(f64::NAN));
     cdr.into_bytes()
 }
 
@@ -141,6 +142,8 @@ pub(super) fn decode_telemetry(message: &[u8]) -> Result<Sample, CdrError> {
     let reference = cdr.sequence(CdrReader::f64)?;
     let duty = cdr.sequence(CdrReader::f64)?;
     let status = cdr.sequence(CdrReader::u8)?;
+    // Logs of earlier versions end before it.
+    let valve_supply_v = cdr.f64().ok().filter(|volts| !volts.is_nan());
     let channels = pressure.iter().zip(&reference).zip(&duty).zip(&status).map(
         |(((&pressure_pa, &reference_pa), &duty), &status)| ChannelSample {
             pressure_pa,
@@ -155,6 +158,7 @@ pub(super) fn decode_telemetry(message: &[u8]) -> Result<Sample, CdrError> {
         state,
         fault_bits,
         supply_pa,
+        valve_supply_v,
         outputs: OutputSample::default(),
         channels: channels.collect(),
         modules: Vec::new(),

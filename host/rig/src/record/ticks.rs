@@ -25,6 +25,8 @@ pub struct DeviceTick {
     pub device_us: u64,
     /// Codes of the converter: the channels, then the supply.
     pub codes: Vec<u16>,
+    /// Code of the voltage of the valves' supply; 0 in logs of earlier versions.
+    pub valve_supply_code: u16,
     /// The emergency stop is pressed.
     pub stop_pressed: bool,
     /// The supply valve is energized.
@@ -67,6 +69,7 @@ pub(super) fn encode_ticks(unix_ns: u64, ticks: &[DeviceTick], at_pins: bool) ->
     cdr.u8_sequence(&pulses.iter().map(|(_, pulse)| pulse.channel).collect::<Vec<_>>());
     cdr.u16_sequence(pulses.iter().map(|(_, pulse)| pulse.fill_us));
     cdr.u16_sequence(pulses.iter().map(|(_, pulse)| pulse.vent_us));
+    cdr.u16_sequence(ticks.iter().map(|tick| tick.valve_supply_code));
     cdr.into_bytes()
 }
 
@@ -84,6 +87,7 @@ pub(super) fn decode_ticks(message: &[u8]) -> Result<(Vec<DeviceTick>, bool), Cd
         .map(|((((codes, switches), pump_duty), outputs), index)| DeviceTick {
             device_us: first_us.saturating_add(index * TICK_US),
             codes: codes.to_vec(),
+            valve_supply_code: 0,
             stop_pressed: switches & STOP_PRESSED != 0,
             supply_open: switches & SUPPLY_OPEN != 0,
             pump_duty,
@@ -91,6 +95,9 @@ pub(super) fn decode_ticks(message: &[u8]) -> Result<(Vec<DeviceTick>, bool), Cd
             pulses: Vec::new(),
         })
         .collect();
+    // Logs of earlier versions end before it.
+    let voltages = cdr.sequence(CdrReader::u16).unwrap_or_default();
+    ticks.iter_mut().zip(voltages).for_each(|(tick, code)| tick.valve_supply_code = code);
     for (((tick, channel), fill_us), vent_us) in pulse_tick.into_iter().zip(pulse_channel).zip(fill_us).zip(vent_us) {
         if let Some(tick) = ticks.get_mut(usize::from(tick)) {
             tick.pulses.push(CoilPulse { channel, fill_us, vent_us });
@@ -108,6 +115,7 @@ mod tests {
         DeviceTick {
             device_us,
             codes: codes.to_vec(),
+            valve_supply_code: 2_700 + (device_us / 1_000) as u16,
             stop_pressed: device_us == 6_000,
             supply_open: device_us != 6_000,
             pump_duty: (device_us / 100) as u8,

@@ -146,7 +146,8 @@ fn state(message: &DeviceMessage) -> Option<DeviceState> {
 /// control period its reference is the measured pressure.
 fn decided(telemetry: &mut Telemetry, tracks_us: u64) {
     let is_running = telemetry.state == DeviceState::Running && telemetry.time_us >= tracks_us;
-    (telemetry.supply_10pa, telemetry.fault_bits, telemetry.ticks_late) = (0, 0, 0);
+    (telemetry.supply_10pa, telemetry.valve_supply_mv) = (0, 0);
+    (telemetry.fault_bits, telemetry.ticks_late) = (0, 0);
     for channel in telemetry.channels.iter_mut() {
         let ChannelSample { reference_10pa, status, .. } = *channel;
         let implausible = ChannelStatus::SENSOR_IMPLAUSIBLE;
@@ -202,6 +203,7 @@ fn first_of_telemetry(expected: &Telemetry, got: &Telemetry) -> (String, String,
             ("state", format!("{:?}", of.state)),
             ("faults", format!("{:016b}", bits.0)),
             ("supply, 10 Pa", of.supply_10pa.to_string()),
+            ("valves' supply, mV", of.valve_supply_mv.to_string()),
             ("free places for knots", of.free_knots.to_string()),
             ("next knot", of.next_index.to_string()),
             ("late ticks", of.ticks_late.to_string()),

@@ -33,6 +33,7 @@ pub(super) fn sent(heard: &[Framed<DeviceMessage>]) -> Vec<DeviceTick> {
         (0..).zip(message.ticks.iter()).map(|(index, tick)| DeviceTick {
             device_us: message.time_us.saturating_add(1_000 * index),
             codes: tick.codes.iter().copied().chain([tick.supply_code]).collect(),
+            valve_supply_code: tick.valve_supply_code,
             stop_pressed: tick.flags.contains(TickFlags::EMERGENCY_STOP),
             // The outputs are a checksum, which is compared as a part of the message.
             supply_open: false,
@@ -87,7 +88,8 @@ impl<'a> Inputs<'a> {
         let (supply, channels) = tick.codes.split_last()?;
         let mut pressure = [AdcCode(0); MAX_CHANNELS];
         pressure.iter_mut().zip(channels).for_each(|(place, &code)| *place = AdcCode(code));
-        Some(TickInputs { now_us, pressure, supply: AdcCode(*supply), emergency_stop: tick.stop_pressed })
+        let (supply, valve_supply) = (AdcCode(*supply), AdcCode(tick.valve_supply_code));
+        Some(TickInputs { now_us, pressure, supply, valve_supply, emergency_stop: tick.stop_pressed })
     }
 
     /// The tick of the log that the last inputs were taken from, with its outputs.
@@ -105,20 +107,24 @@ impl<'a> Inputs<'a> {
         for (place, channel) in pressure.iter_mut().zip(telemetry.channels.iter()) {
             *place = code(channel.pressure_10pa, scale.sensor, scale.full_scale);
         }
-        TickInputs { pressure, supply: code(telemetry.supply_10pa, scale.supply, scale.full_scale), ..silent(now_us) }
+        let supply = code(telemetry.supply_10pa, scale.supply, scale.full_scale);
+        let valve_supply = scale.valve_supply(telemetry.valve_supply_mv);
+        TickInputs { pressure, supply, valve_supply, ..silent(now_us) }
     }
 }
 
 /// Inputs of a device that reads nothing.
 fn silent(now_us: u64) -> TickInputs {
-    TickInputs { now_us, pressure: [AdcCode(0); MAX_CHANNELS], supply: AdcCode(0), emergency_stop: false }
+    let (pressure, none) = ([AdcCode(0); MAX_CHANNELS], AdcCode(0));
+    TickInputs { now_us, pressure, supply: none, valve_supply: none, emergency_stop: false }
 }
 
-/// Scales of the sensors: gauge pressures at 10 % and 90 %, Pa, and the code of 100 %.
+/// Scales of the sensors: gauge pressures at 10 % and 90 %, Pa, the voltage at 100 %, mV, and the code of 100 %.
 #[derive(Debug, Clone, Copy)]
 struct Scale {
     sensor: (f32, f32),
     supply: (f32, f32),
+    valve_supply_mv: u16,
     full_scale: u16,
 }
 
@@ -127,8 +133,16 @@ impl Scale {
         Self {
             sensor: (system.sensor_min_pa, system.sensor_max_pa),
             supply: (system.supply_sensor_min_pa, system.supply_sensor_max_pa),
+            valve_supply_mv: system.valve_supply_full_scale_mv,
             full_scale: system.adc_full_scale,
         }
+    }
+
+    /// A code that reads as this voltage of the valves' supply; any where it is not sensed.
+    fn valve_supply(&self, millivolts: u16) -> AdcCode {
+        let parts = u32::from(millivolts) * u32::from(self.full_scale);
+        // The cast saturates at none: a voltage is at most the full scale.
+        AdcCode(parts.div_ceil(u32::from(self.valve_supply_mv.max(1))).min(u32::from(u16::MAX)) as u16)
     }
 }
 

@@ -12,7 +12,7 @@ use super::prepared::Origin;
 use super::reference::Reference;
 use super::solid;
 use crate::camera::Camera;
-use crate::link::{DeviceFault, LinkStatistics};
+use crate::link::{DeviceFault, LinkStatistics, valve_supply_v};
 use crate::record::{
     Body, ChannelSample, ContactRecord, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample,
     PhaseInfo, Posture, RunInfo, Sample, SampleRow, Shape,
@@ -183,6 +183,7 @@ impl<'a> Assembler<'a> {
             state: message.state.raw(),
             fault_bits: message.fault_bits,
             supply_pa: 10.0 * f64::from(message.supply_10pa),
+            valve_supply_v: valve_supply_v(message),
             outputs: OutputSample {
                 bits: message.outputs.bits(),
                 gripper_closure: truth.map(|truth| truth.gripper_closure),

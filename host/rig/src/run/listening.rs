@@ -12,7 +12,7 @@ use super::{RunError, unix_ns};
 use crate::link::port::{Port, session_number};
 use crate::link::{
     DeviceFault, DeviceInfo, Event, LinkError, PortErrors, SampleRequest, Sampling, StreamOptions, Traffic, Transport,
-    identify, listen, request_samples,
+    identify, listen, request_samples, valve_supply_v,
 };
 use crate::record::{
     Direction, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, Recorder, RunEnd, RunInfo, Sample, WireBytes,
@@ -251,6 +251,7 @@ fn sample(message: &Telemetry, zero_us: u64) -> Sample {
         state: message.state.raw(),
         fault_bits: message.fault_bits,
         supply_pa: 10.0 * f64::from(message.supply_10pa),
+        valve_supply_v: valve_supply_v(message),
         outputs: crate::record::OutputSample { bits: message.outputs.bits(), gripper_closure: None },
         modules: channels.iter().map(module).collect(),
         channels,

@@ -210,6 +210,7 @@ fn latest_tick(device: &SimulatedMcu<Box<dyn Processor>>) -> DeviceTick {
     DeviceTick {
         device_us: inputs.now_us,
         codes: codes.map(|code| code.0).collect(),
+        valve_supply_code: inputs.valve_supply.0,
         stop_pressed: inputs.emergency_stop,
         supply_open: outputs.supply_open,
         pump_duty: outputs.pump_duty,

@@ -166,6 +166,7 @@ fn sample(time_s: f64, setpoint: [f64; 3], modelled: [f64; 3], achieved: [f64; 3
         state: 2,
         fault_bits: if time_s >= 12.34 { 1 << 1 } else { 0 },
         supply_pa: 240e3 - 300.0 * time_s,
+        valve_supply_v: Some(24.0),
         outputs: OutputSample {
             bits: u8::from((8.0..18.0).contains(&time_s)),
             gripper_closure: Some(((time_s - 8.0) / 0.3).clamp(0.0, 1.0)),

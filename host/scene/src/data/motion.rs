@@ -66,6 +66,8 @@ pub struct Limits {
     pub supply_min_pa: f64,
     /// Largest gauge pressure of the supply, Pa; > `supply_min_pa`.
     pub supply_max_pa: f64,
+    /// Lowest voltage of the valves' supply, V; `None` if it is not watched.
+    pub valve_voltage_min_v: Option<Located<f64>>,
     /// Largest rate of an axial stretch, 1/s.
     pub stretch_rate_max_per_s: Option<f64>,
     /// Largest rate of a radius, m/s.

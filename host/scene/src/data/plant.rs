@@ -124,6 +124,8 @@ pub struct Valve {
     pub jitter_s: f64,
     /// Conductance of the closed valve, m3/(s Pa).
     pub leak_m3_per_s_pa: f64,
+    /// Nominal voltage of the coils and of their supply, V.
+    pub voltage_v: f64,
 }
 
 /// The tube from the valves to an actuator.

@@ -36,6 +36,7 @@ pub(super) fn pressures(
 ) {
     if let (Some(limits), Some(plant)) = (limits, plant) {
         supply(log, limits, plant);
+        valve_voltage(log, limits, plant);
         let mut seen: Vec<Located<f64>> = Vec::new();
         for module in drafts.iter().filter_map(|draft| draft.module.as_ref()) {
             // Modules without their own value share the place of the common one.
@@ -64,6 +65,15 @@ fn supply(log: &Log, limits: &Limits, plant: &Plant) {
         let (min, max) = (Unit::KPA.show_si(min), Unit::KPA.show_si(max));
         let title = format!("the supply pressure of {shown} is outside `supply_min` to `supply_max`, {min} to {max}");
         log.note::<()>(Problem::new(title).help("change `pressure` in `[plant.supply]` or the bounds in `[limits]`"));
+    }
+}
+
+fn valve_voltage(log: &Log, limits: &Limits, plant: &Plant) {
+    let (Some(least), nominal) = (limits.valve_voltage_min_v, plant.valve.voltage_v) else { return };
+    if *least >= nominal {
+        let title =
+            format!("`valve_voltage_min` is not below the `voltage` of the valves: {}", Unit::V.show_si(nominal));
+        log.note::<()>(Problem::at(least.span, title, format!("this is {}", Unit::V.show_si(*least))));
     }
 }
 

@@ -65,8 +65,8 @@ fn supply(reader: &Reader<'_>) -> Option<Supply> {
 
 fn valve(reader: &Reader<'_>) -> Option<Valve> {
     use schema::valve::*;
-    let [conductance, ratio, on, off, jitter, leak] =
-        [CONDUCTANCE, CRITICAL_RATIO, ON_DELAY, OFF_DELAY, JITTER, LEAK].map(|key| reader.quantity(&key));
+    let [conductance, ratio, on, off, jitter, leak, voltage] =
+        [CONDUCTANCE, CRITICAL_RATIO, ON_DELAY, OFF_DELAY, JITTER, LEAK, VOLTAGE].map(|key| reader.quantity(&key));
     Some(Valve {
         conductance_m3_per_s_pa: *conductance?,
         critical_ratio: *ratio?,
@@ -74,6 +74,7 @@ fn valve(reader: &Reader<'_>) -> Option<Valve> {
         off_delay_s: *off?,
         jitter_s: *jitter?,
         leak_m3_per_s_pa: *leak?,
+        voltage_v: *voltage?,
     })
 }
 

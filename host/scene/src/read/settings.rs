@@ -38,6 +38,7 @@ pub(super) fn limits(root: &Reader<'_>) -> Option<Limits> {
         let clearance = reader.quantity(&CLEARANCE);
         let supply_min = reader.quantity(&SUPPLY_MIN);
         let supply_max = reader.quantity(&SUPPLY_MAX);
+        let valve_voltage_min = reader.maybe(&VALVE_VOLTAGE_MIN);
         let stretch = reader.maybe(&STRETCH_RATE_MAX);
         let radius = reader.maybe(&RADIUS_RATE_MAX);
         let angle = reader.maybe(&ANGLE_RATE_MAX);
@@ -57,6 +58,7 @@ pub(super) fn limits(root: &Reader<'_>) -> Option<Limits> {
             clearance_m: *clearance?,
             supply_min_pa: *supply_min,
             supply_max_pa: *supply_max,
+            valve_voltage_min_v: valve_voltage_min?,
             stretch_rate_max_per_s: stretch?.map(|rate| *rate),
             radius_rate_max_m_per_s: radius?.map(|rate| *rate),
             angle_rate_max_rad_per_s: angle?.map(|rate| *rate),

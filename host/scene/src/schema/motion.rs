@@ -36,6 +36,7 @@ section! {
     CLEARANCE: Quantity { name: "clearance", unit: Unit::MM, min: 0.0, max: 1000.0, presence: Default(0.0) } = "Least distance of the limb's surface from every `[[obstacle]]` at all times.";
     SUPPLY_MIN: Quantity { name: "supply_min", unit: Unit::KPA, min: 0.0, max: 1000.0, presence: Default(50.0) } = "Below this supply pressure the controller faults. At least 1 kPa below `supply_max`.";
     SUPPLY_MAX: Quantity { name: "supply_max", unit: Unit::KPA, min: 1.0, max: 1000.0, presence: Default(300.0) } = "Above this supply pressure the controller faults. Its sensor must read to it.";
+    VALVE_VOLTAGE_MIN: Quantity { name: "valve_voltage_min", unit: Unit::V, min: 1.0, max: 36.0, presence: Optional("not watched") } = "Below this voltage of the valves' supply the controller faults, and takes no zeros. Below the `voltage` of the valves. The board needs the [divider](hardware.md#wiring).";
     STRETCH_RATE_MAX: Quantity { name: "stretch_rate_max", unit: Unit::PERCENT_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of the axial stretch.";
     RADIUS_RATE_MAX: Quantity { name: "radius_rate_max", unit: Unit::MM_PER_S, min: 0.01, max: 1e4, presence: Optional("no bound") } = "Largest rate of a radius.";
     ANGLE_RATE_MAX: Quantity { name: "angle_rate_max", unit: Unit::DEG_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of a bend angle or twist.";

@@ -41,6 +41,7 @@ section! {
     OFF_DELAY: Quantity { name: "off_delay", unit: Unit::MS, min: 0.0, max: 20.0, presence: Default(2.0) } = "From coil off to closed.";
     JITTER: Quantity { name: "jitter", unit: Unit::MS, min: 0.0, max: 2.0, presence: Default(0.25) } = "Standard deviation of each delay from one switching to the next, uniformly distributed.";
     LEAK: Quantity { name: "leak", unit: Unit::M3_PER_S_PA, min: 0.0, max: 1e-9, presence: Default(1e-13) } = "Conductance of the closed valve.";
+    VOLTAGE: Quantity { name: "voltage", unit: Unit::V, min: 3.0, max: 36.0, presence: Default(24.0) } = "Nominal voltage of all coils and of the pump, and of their supply.";
 }
 
 section! {

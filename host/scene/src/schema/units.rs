@@ -25,6 +25,7 @@ impl Unit {
     pub(crate) const KG: Self = unit("kg", "kg", Dimension::MASS, 1.0, 1.0);
     pub(crate) const N: Self = unit("N", "N", Dimension::FORCE, 1.0, 1.0);
     pub(crate) const N_PER_M: Self = unit("N/m", "N/m", Dimension::STIFFNESS, 1.0, 1.0);
+    pub(crate) const V: Self = unit("V", "V", Dimension::VOLTAGE, 1.0, 1.0);
     pub(crate) const S: Self = unit("s", "s", Dimension::TIME, 1.0, 1.0);
     pub(crate) const MS: Self = unit("ms", "s", Dimension::TIME, 1.0, 1e3);
     pub(crate) const K: Self = unit("K", "K", Dimension::TEMPERATURE, 1.0, 1.0);

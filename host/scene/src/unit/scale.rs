@@ -1,34 +1,35 @@
 //! Dimensions, and factors to SI as exact fractions.
 
-/// Exponents of meter, kilogram, second, kelvin and radian.
+/// Exponents of meter, kilogram, second, kelvin, radian and ampere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Dimension(pub(super) [i16; 5]);
+pub(crate) struct Dimension(pub(super) [i16; 6]);
 
 impl Dimension {
-    pub(crate) const RATIO: Self = Self([0; 5]);
-    pub(crate) const LENGTH: Self = Self([1, 0, 0, 0, 0]);
-    pub(crate) const AREA: Self = Self([2, 0, 0, 0, 0]);
-    pub(crate) const VOLUME: Self = Self([3, 0, 0, 0, 0]);
-    pub(crate) const MASS: Self = Self([0, 1, 0, 0, 0]);
-    pub(crate) const TIME: Self = Self([0, 0, 1, 0, 0]);
-    pub(crate) const TEMPERATURE: Self = Self([0, 0, 0, 1, 0]);
-    pub(crate) const ANGLE: Self = Self([0, 0, 0, 0, 1]);
-    pub(crate) const PRESSURE: Self = Self([-1, 1, -2, 0, 0]);
-    pub(crate) const FORCE: Self = Self([1, 1, -2, 0, 0]);
-    pub(crate) const STIFFNESS: Self = Self([0, 1, -2, 0, 0]);
-    pub(crate) const POWER: Self = Self([2, 1, -3, 0, 0]);
-    pub(crate) const DENSITY: Self = Self([-3, 1, 0, 0, 0]);
-    pub(crate) const FREQUENCY: Self = Self([0, 0, -1, 0, 0]);
-    pub(crate) const SPEED: Self = Self([1, 0, -1, 0, 0]);
-    pub(crate) const ANGULAR_SPEED: Self = Self([0, 0, -1, 0, 1]);
-    pub(crate) const PRESSURE_RATE: Self = Self([-1, 1, -3, 0, 0]);
-    pub(crate) const VOLUME_FLOW: Self = Self([3, 0, -1, 0, 0]);
-    pub(crate) const SONIC_CONDUCTANCE: Self = Self([4, -1, 1, 0, 0]);
-    pub(crate) const HEAT_CONDUCTANCE: Self = Self([2, 1, -3, -1, 0]);
+    pub(crate) const RATIO: Self = Self([0; 6]);
+    pub(crate) const LENGTH: Self = Self([1, 0, 0, 0, 0, 0]);
+    pub(crate) const AREA: Self = Self([2, 0, 0, 0, 0, 0]);
+    pub(crate) const VOLUME: Self = Self([3, 0, 0, 0, 0, 0]);
+    pub(crate) const MASS: Self = Self([0, 1, 0, 0, 0, 0]);
+    pub(crate) const TIME: Self = Self([0, 0, 1, 0, 0, 0]);
+    pub(crate) const TEMPERATURE: Self = Self([0, 0, 0, 1, 0, 0]);
+    pub(crate) const ANGLE: Self = Self([0, 0, 0, 0, 1, 0]);
+    pub(crate) const PRESSURE: Self = Self([-1, 1, -2, 0, 0, 0]);
+    pub(crate) const FORCE: Self = Self([1, 1, -2, 0, 0, 0]);
+    pub(crate) const STIFFNESS: Self = Self([0, 1, -2, 0, 0, 0]);
+    pub(crate) const POWER: Self = Self([2, 1, -3, 0, 0, 0]);
+    pub(crate) const VOLTAGE: Self = Self([2, 1, -3, 0, 0, -1]);
+    pub(crate) const DENSITY: Self = Self([-3, 1, 0, 0, 0, 0]);
+    pub(crate) const FREQUENCY: Self = Self([0, 0, -1, 0, 0, 0]);
+    pub(crate) const SPEED: Self = Self([1, 0, -1, 0, 0, 0]);
+    pub(crate) const ANGULAR_SPEED: Self = Self([0, 0, -1, 0, 1, 0]);
+    pub(crate) const PRESSURE_RATE: Self = Self([-1, 1, -3, 0, 0, 0]);
+    pub(crate) const VOLUME_FLOW: Self = Self([3, 0, -1, 0, 0, 0]);
+    pub(crate) const SONIC_CONDUCTANCE: Self = Self([4, -1, 1, 0, 0, 0]);
+    pub(crate) const HEAT_CONDUCTANCE: Self = Self([2, 1, -3, -1, 0, 0]);
 
     /// Name of a quantity of this dimension in messages, with its article.
     pub(crate) fn name(self) -> &'static str {
-        const NAMES: [(Dimension, &str); 20] = [
+        const NAMES: [(Dimension, &str); 21] = [
             (Dimension::RATIO, "a plain number"),
             (Dimension::LENGTH, "a length"),
             (Dimension::AREA, "an area"),
@@ -41,6 +42,7 @@ impl Dimension {
             (Dimension::FORCE, "a force"),
             (Dimension::STIFFNESS, "a stiffness"),
             (Dimension::POWER, "a power"),
+            (Dimension::VOLTAGE, "a voltage"),
             (Dimension::DENSITY, "a density"),
             (Dimension::FREQUENCY, "a rate"),
             (Dimension::SPEED, "a speed"),

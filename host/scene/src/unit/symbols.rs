@@ -6,7 +6,7 @@ use super::scale::{Dimension, Scale};
 
 /// Every symbol: name, dimension, numerator and denominator of its factor to SI.
 #[rustfmt::skip]
-pub(super) const SYMBOLS: [(&str, Scale); 53] = [
+pub(super) const SYMBOLS: [(&str, Scale); 55] = [
     ("m", Scale::new(Dimension::LENGTH, 1.0, 1.0)), ("dm", Scale::new(Dimension::LENGTH, 1.0, 1e1)),
     ("cm", Scale::new(Dimension::LENGTH, 1.0, 1e2)), ("mm", Scale::new(Dimension::LENGTH, 1.0, 1e3)),
     ("um", Scale::new(Dimension::LENGTH, 1.0, 1e6)), ("nm", Scale::new(Dimension::LENGTH, 1.0, 1e9)),
@@ -27,8 +27,9 @@ pub(super) const SYMBOLS: [(&str, Scale); 53] = [
     ("psi", Scale::new(Dimension::PRESSURE, 44_482_216_152_605.0, 6_451_600_000.0)),
     ("N", Scale::new(Dimension::FORCE, 1.0, 1.0)), ("mN", Scale::new(Dimension::FORCE, 1.0, 1e3)),
     ("kN", Scale::new(Dimension::FORCE, 1e3, 1.0)),
-    ("J", Scale::new(Dimension([2, 1, -2, 0, 0]), 1.0, 1.0)), ("W", Scale::new(Dimension::POWER, 1.0, 1.0)),
+    ("J", Scale::new(Dimension([2, 1, -2, 0, 0, 0]), 1.0, 1.0)), ("W", Scale::new(Dimension::POWER, 1.0, 1.0)),
     ("mW", Scale::new(Dimension::POWER, 1.0, 1e3)),
+    ("V", Scale::new(Dimension::VOLTAGE, 1.0, 1.0)), ("mV", Scale::new(Dimension::VOLTAGE, 1.0, 1e3)),
     ("rad", Scale::new(Dimension::ANGLE, 1.0, 1.0)), ("mrad", Scale::new(Dimension::ANGLE, 1.0, 1e3)),
     ("deg", Scale::new(Dimension::ANGLE, PI, 180.0)), ("turn", Scale::new(Dimension::ANGLE, 2.0 * PI, 1.0)),
     ("L", Scale::new(Dimension::VOLUME, 1.0, 1e3)), ("l", Scale::new(Dimension::VOLUME, 1.0, 1e3)),

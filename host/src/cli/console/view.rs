@@ -89,6 +89,8 @@ pub(super) struct View {
     device: Option<String>,
     time_s: Option<f64>,
     supply_pa: Option<f64>,
+    /// Voltage of the valves' supply, V; none if the board does not sense it.
+    valve_supply_v: Option<f64>,
     tip_m: Option<[f64; 3]>,
     setpoint_m: Option<[f64; 3]>,
     /// Pressure and setpoint, Pa, and duty of the valves, -1 to 1.
@@ -162,6 +164,7 @@ impl View {
             device: view.state.map(|state| code_name(state.into()).to_lowercase()),
             time_s: sample.map(|sample| sample.time_s),
             supply_pa: sample.map(|sample| sample.supply_pa),
+            valve_supply_v: sample.and_then(|sample| sample.valve_supply_v),
             tip_m: sample.map(|sample| rounded(sample.tip_achieved_m.unwrap_or(sample.tip_modelled_m))),
             setpoint_m: sample.map(|sample| rounded(sample.tip_setpoint_m)),
             channels: sample.map(|sample| sample.channels.iter().map(channel).collect()),

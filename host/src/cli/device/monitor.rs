@@ -11,7 +11,7 @@ use super::super::port::MeasuringDevice;
 use super::super::shared::{quantity, show};
 use super::super::{Failure, Outcome, note, say};
 use super::screen::Screen;
-use softlimb_rig::link::{DeviceFault, Event, code_name, fault_names, listen};
+use softlimb_rig::link::{DeviceFault, Event, code_name, fault_names, listen, valve_supply_v};
 use softlimb_scene::Quantity;
 
 /// Longest time without a measurement, us.
@@ -46,6 +46,8 @@ pub(super) struct Line {
     pub(super) time_s: f64,
     pub(super) state: String,
     pub(super) supply_pa: f64,
+    /// Voltage of the valves' supply, V; `None` if the board does not sense it.
+    pub(super) valve_supply_v: Option<f64>,
     pub(super) pressures_pa: Vec<f64>,
     pub(super) references_pa: Vec<f64>,
     /// Share of the control period that a valve is open: + fill, - vent.
@@ -63,6 +65,7 @@ impl Line {
             time_s: message.time_us as f64 * 1e-6,
             state: code_name(message.state),
             supply_pa: 10.0 * f64::from(message.supply_10pa),
+            valve_supply_v: valve_supply_v(message),
             pressures_pa: channels.clone().map(|channel| 10.0 * f64::from(channel.pressure_10pa)).collect(),
             references_pa: channels.clone().map(|channel| 10.0 * f64::from(channel.reference_10pa)).collect(),
             duties: channels.map(|channel| f64::from(channel.duty) / 127.0).collect(),
@@ -71,11 +74,17 @@ impl Line {
         Some((message.time_us, line))
     }
 
-    /// As one line of text, in kPa.
+    /// The voltage of the valves' supply as text; empty if the board does not sense it.
+    pub(super) fn valves(&self) -> String {
+        self.valve_supply_v.map_or_else(String::new, |volts| format!("  valves {volts:.1} V"))
+    }
+
+    /// As one line of text; pressures in kPa.
     pub(super) fn text(&self) -> String {
         let kpa: Vec<String> = self.pressures_pa.iter().map(|pressure| format!("{:.1}", pressure * 1e-3)).collect();
         let faults = if self.faults.is_empty() { String::new() } else { format!("  {}", self.faults.join(", ")) };
-        format!("{:.3} s  {}  supply {:.1}  {}{faults}", self.time_s, self.state, self.supply_pa * 1e-3, kpa.join(" "))
+        let (time_s, supply, valves) = (self.time_s, self.supply_pa * 1e-3, self.valves());
+        format!("{time_s:.3} s  {}  supply {supply:.1}{valves}  {}{faults}", self.state, kpa.join(" "))
     }
 }
 

@@ -43,7 +43,8 @@ impl Screen {
         let mut text = if self.rows == 0 { String::new() } else { format!("{UP}{}A{CLEAR}", self.rows) };
         let head = text.len();
         let (time_s, supply) = (line.time_s, line.supply_pa * 1e-3);
-        let _ = writeln!(text, "{time_s:10.3} s  {}  supply {supply:.1} kPa", line.state);
+        let valves = line.valves();
+        let _ = writeln!(text, "{time_s:10.3} s  {}  supply {supply:.1} kPa{valves}", line.state);
         for (channel, memory) in self.pressures_pa.iter_mut().enumerate() {
             if memory.len() == MEMORY {
                 memory.pop_front();
@@ -78,6 +79,7 @@ mod tests {
             time_s: 1.5,
             state: "Running".to_owned(),
             supply_pa: 200e3,
+            valve_supply_v: Some(23.96),
             pressures_pa: vec![pressure_pa, 0.0],
             references_pa: vec![40e3, 0.0],
             duties: vec![0.25, -1.0],
@@ -98,6 +100,7 @@ mod tests {
         let first = screen.draw(&line(20e3, &[]));
         assert!(!first.contains('\u{1b}') && first.lines().count() == 3, "{first:?}");
         assert!(first.contains("20.00 of   40.00 kPa   +25 %"), "{first}");
+        assert!(first.contains("supply 200.0 kPa  valves 24.0 V\n"), "{first}");
         let second = screen.draw(&line(40e3, &["link lost"]));
         assert!(second.starts_with("\u{1b}[3A\u{1b}[J"), "{second:?}");
         assert!(second.contains("latched: link lost"), "{second}");

@@ -40,7 +40,8 @@ pub(super) fn lines(head: &Head<'_>, view: &JogView<'_, '_>) -> Vec<String> {
 fn state(head: &Head<'_>, view: &JogView<'_, '_>) -> String {
     let state = view.state.map_or_else(|| "connecting".to_owned(), |state| code_name(state.into()).to_lowercase());
     let sample = view.sample.map_or_else(String::new, |sample| {
-        format!("  {:.1} s  supply {:.1} kPa", sample.time_s, sample.supply_pa * 1e-3)
+        let valves = sample.valve_supply_v.map_or_else(String::new, |volts| format!("  valves {volts:.1} V"));
+        format!("  {:.1} s  supply {:.1} kPa{valves}", sample.time_s, sample.supply_pa * 1e-3)
     });
     format!("{} on {}  {state}{sample}", head.scene, head.port)
 }
