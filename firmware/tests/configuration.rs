@@ -53,7 +53,7 @@ fn every_system_field_is_checked_and_named() {
         supply_sensor_min_pa: NOT_A_NUMBER,
         supply_sensor_max_pa: NOT_A_NUMBER,
         adc_full_scale: [0],
-        valve_supply_full_scale_mv: [60_001],
+        valve_supply_scale_mv: [60_001],
         valve_supply_min_mv: [36_301],
     ];
     assert_eq!(cases.len() + 3, ConfigSystem::FIELDS.len(), "session and codes have tests of their own");

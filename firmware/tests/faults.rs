@@ -252,11 +252,8 @@ fn holding_and_venting_need_the_voltage_and_a_stop_keeps_its_name() {
 #[test]
 fn voltage_that_is_not_watched_is_told_and_no_fault_and_one_that_is_not_sensed_is_none() {
     for (full_scale_mv, told_mv) in [(36_300, 17), (0, u16::MAX)] {
-        let system = ConfigSystem {
-            valve_supply_full_scale_mv: full_scale_mv,
-            valve_supply_min_mv: 0,
-            ..crate::common::system()
-        };
+        let system =
+            ConfigSystem { valve_supply_scale_mv: full_scale_mv, valve_supply_min_mv: 0, ..crate::common::system() };
         let mut bench = Bench::new();
         bench.hello();
         bench.valve_supply_v = 0.02;

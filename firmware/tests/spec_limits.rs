@@ -71,7 +71,7 @@ numbers! {
         telemetry_period_us, control_period_us, link_timeout_us, hold_time_us, vent_ramp_pa_per_s, supply_min_pa,
         supply_max_pa, atmosphere_pa, temperature_k, valve_conductance_m3_per_s_pa, valve_critical_ratio,
         valve_on_delay_us, valve_off_delay_us, line_conductance_m3_per_s_pa, sensor_min_pa, sensor_max_pa,
-        supply_sensor_min_pa, supply_sensor_max_pa, adc_full_scale, valve_supply_full_scale_mv,
+        supply_sensor_min_pa, supply_sensor_max_pa, adc_full_scale, valve_supply_scale_mv,
         valve_supply_min_mv,
     }
     ConfigChannel {

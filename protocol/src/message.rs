@@ -431,7 +431,7 @@ interface! {
             /// Pressure loop of the channels.
             pressure_loop: Code<PressureLoopKind>,
             /// Voltage of the valves' supply at `adc_full_scale`, mV; 0 if the board does not sense it.
-            valve_supply_full_scale_mv: u16,
+            valve_supply_scale_mv: u16,
             /// Lowest voltage of the valves' supply, mV; 0 if it is not watched.
             valve_supply_min_mv: u16,
         }

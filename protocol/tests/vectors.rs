@@ -111,6 +111,8 @@ fn system_fields(m: &ConfigSystem) -> Value {
         "supply_sensor_max_pa": number(m.supply_sensor_max_pa),
         "adc_full_scale": m.adc_full_scale,
         "pressure_loop": m.pressure_loop.raw(),
+        "valve_supply_scale_mv": m.valve_supply_scale_mv,
+        "valve_supply_min_mv": m.valve_supply_min_mv,
     })
 }
 

@@ -11,7 +11,7 @@ SYSTEM = {
     "valve_conductance_m3_per_s_pa": 1.44e-9, "valve_critical_ratio": 0.3, "valve_on_delay_us": 3500,
     "valve_off_delay_us": 2000, "line_conductance_m3_per_s_pa": 3.78e-9, "sensor_min_pa": 0.0,
     "sensor_max_pa": 206_843.0, "supply_sensor_min_pa": 0.0, "supply_sensor_max_pa": 689_476.0, "adc_full_scale": 4095,
-    "pressure_loop": 1, "valve_supply_full_scale_mv": 36_300, "valve_supply_min_mv": 20_000,
+    "pressure_loop": 1, "valve_supply_scale_mv": 36_300, "valve_supply_min_mv": 20_000,
 }
 CHANNEL = {
     "session": 7, "channel": 0, "motion": 2, "setpoint_kind": 5, "law": 0, "families": 2, "placement": 0,

@@ -12,7 +12,7 @@ HOST = {
            "valve_conductance_m3_per_s_pa:f valve_critical_ratio:f valve_on_delay_us:I valve_off_delay_us:I "
            "line_conductance_m3_per_s_pa:f sensor_min_pa:f sensor_max_pa:f supply_sensor_min_pa:f "
            "supply_sensor_max_pa:f adc_full_scale:H pressure_loop:B "
-           "valve_supply_full_scale_mv:H valve_supply_min_mv:H"),
+           "valve_supply_scale_mv:H valve_supply_min_mv:H"),
     0x05: ("ConfigChannel", "session:H channel:B motion:B setpoint_kind:B law:B families:B placement:B "
            "inner_radius_m:f outer_radius_m:f length_m:f c_pa_1:f c_pa_2:f c_pa_3:f fiber_angle_rad:f "
            "fiber_modulus_pa:f fiber_thickness_m:f fiber_radius_m:f pressure_max_pa:f dead_volume_m3:f "

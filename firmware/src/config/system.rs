@@ -67,8 +67,8 @@ impl TryFrom<&ConfigSystem> for SystemConfig {
         let supply_sensor_max_pa =
             above(number!(ConfigSystem, "supply_sensor_max_pa"), wire.supply_sensor_max_pa, supply_sensor_min_pa)?;
         let valve_supply_mv = within(
-            number!(ConfigSystem, "valve_supply_full_scale_mv"),
-            wire.valve_supply_full_scale_mv,
+            number!(ConfigSystem, "valve_supply_scale_mv"),
+            wire.valve_supply_scale_mv,
             0..=VALVE_SUPPLY_MAX_MV,
         )?;
         Ok(Self {

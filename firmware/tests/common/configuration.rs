@@ -30,7 +30,7 @@ pub(crate) fn system(session: u16) -> ConfigSystem {
         supply_sensor_max_pa: SUPPLY_SENSOR_MAX_PA,
         adc_full_scale: 4095,
         pressure_loop: PressureLoopKind::Pulses.into(),
-        valve_supply_full_scale_mv: 36_300,
+        valve_supply_scale_mv: 36_300,
         valve_supply_min_mv: 20_000,
     }
 }

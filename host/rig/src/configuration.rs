@@ -76,7 +76,7 @@ fn system(scene: &Scene) -> ConfigSystem {
         }
         .into(),
         // A board may have no divider: its input then has no meaning.
-        valve_supply_full_scale_mv: voltage_min_v.map_or(0, |_| VALVE_SUPPLY_FULL_SCALE_MV),
+        valve_supply_scale_mv: voltage_min_v.map_or(0, |_| VALVE_SUPPLY_FULL_SCALE_MV),
         valve_supply_min_mv: voltage_min_v.map_or(0, |least_v| (1e3 * least_v).round() as u16),
     }
 }

@@ -95,7 +95,7 @@ fn config_system() -> impl Strategy<Value = HostMessage> {
             supply_sensor_max_pa: f[11],
             adc_full_scale: w[0],
             pressure_loop,
-            valve_supply_full_scale_mv: w[1],
+            valve_supply_scale_mv: w[1],
             valve_supply_min_mv: w[2],
         }
         .into()

@@ -103,7 +103,7 @@ fn system() -> ConfigSystem {
         supply_sensor_max_pa: 689_476.0,
         adc_full_scale: 4095,
         pressure_loop: PressureLoopKind::Pulses.into(),
-        valve_supply_full_scale_mv: 36_300,
+        valve_supply_scale_mv: 36_300,
         valve_supply_min_mv: 20_000,
     }
 }

@@ -23,7 +23,7 @@ pub fn fault_names(bits: u16) -> Vec<String> {
 #[must_use]
 pub fn valve_supply_v(message: &Telemetry) -> Option<f64> {
     let is_sensed = message.valve_supply_mv != Telemetry::VALVE_SUPPLY_NOT_SENSED;
-    is_sensed.then(|| f64::from(message.valve_supply_mv) * 1e-3)
+    is_sensed.then(|| f64::from(message.valve_supply_mv) / 1e3)
 }
 
 /// The condition of a channel in words; none where all is well.

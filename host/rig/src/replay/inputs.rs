@@ -133,7 +133,7 @@ impl Scale {
         Self {
             sensor: (system.sensor_min_pa, system.sensor_max_pa),
             supply: (system.supply_sensor_min_pa, system.supply_sensor_max_pa),
-            valve_supply_mv: system.valve_supply_full_scale_mv,
+            valve_supply_mv: system.valve_supply_scale_mv,
             full_scale: system.adc_full_scale,
         }
     }

@@ -64,7 +64,7 @@ pub fn configuration(channels: usize) -> DeviceConfiguration {
         supply_sensor_max_pa: 689_476.0,
         adc_full_scale: 4095,
         pressure_loop: PressureLoopKind::Pulses.into(),
-        valve_supply_full_scale_mv: 36_300,
+        valve_supply_scale_mv: 36_300,
         valve_supply_min_mv: 20_000,
     };
     let (volume, _) = tables::tables(&channel()).expect("it bends");
