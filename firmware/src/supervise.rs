@@ -21,10 +21,10 @@ impl<const N: usize> Controller<N> {
             self.fault(now_us, SYSTEM_CHANNEL, FaultCode::EmergencyStop, 0);
         }
         self.watch_ticks(now_us);
+        // Before the observers of valves: it names the cause of what they would find.
+        self.watch_valve_supply(now_us);
         // What vents after a crash has no configuration to tell what the sensors mean.
         if self.state != DeviceState::Idle && self.config.is_some() {
-            // Before the observers of valves: it names the cause of what they would find.
-            self.watch_valve_supply(now_us);
             self.watch_sensors(now_us);
             self.watch_pressures(now_us);
             self.watch_effects(inputs);
@@ -188,11 +188,18 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// Wherever valves move or may have to. An emergency stop that cuts the valves' supply as well keeps its name.
+    /// In Faulted an emergency stop that cuts the valves' supply as well keeps its name.
     fn watch_valve_supply(&mut self, now_us: u64) {
         let low = self.state != DeviceState::Faulted && self.lacks_valve_voltage();
-        if self.valve_supply_low.holds(low, VALVE_SUPPLY_LOW_TICKS) {
-            self.fault(now_us, SYSTEM_CHANNEL, FaultCode::ValveSupplyLow, i32::from(self.valve_supply_mv));
+        if !self.valve_supply_low.holds(low, VALVE_SUPPLY_LOW_TICKS) {
+            return;
+        }
+        let (code, value) = (FaultCode::ValveSupplyLow, i32::from(self.valve_supply_mv));
+        if self.state == DeviceState::Idle {
+            // Not a latching fault: the voltage may still come.
+            self.faults.raise(Occurrence::system(now_us, code, value));
+        } else {
+            self.fault(now_us, SYSTEM_CHANNEL, code, value);
         }
     }
 

@@ -227,9 +227,12 @@ fn zeros_wait_for_the_voltage_of_the_vents() {
     assert_eq!(bench.controller.state(), DeviceState::Idle);
     let refused = bench.command(CommandCode::ClearFaults);
     assert_eq!(refused.detail, FaultCode::ValveSupplyLow as u32);
-    assert_eq!(bench.controller.faults().bits(), 0);
+    assert_eq!(only_fault(&bench), (FaultCode::ValveSupplyLow, SYSTEM_CHANNEL));
     bench.valve_supply_v = 24.0;
     assert!(bench.ticks_until(DeviceState::Ready, 1_100) > 500, "two means");
+    assert_eq!(start(&mut bench).detail, FaultCode::ValveSupplyLow as u32, "latched");
+    assert_eq!(bench.command(CommandCode::ClearFaults).result, ResultCode::Ok);
+    assert_eq!(bench.command(CommandCode::Start).result, ResultCode::Ok);
 }
 
 #[test]
