@@ -253,13 +253,13 @@ mod tests {
         ));
     }
 
-    /// Nine channels: 9 ticks of 26 bytes, 13 before them, 7 of header and checksum, 2 of COBS and 2 delimiters, each 9 ms.
+    /// Nine channels: 8 ticks of 28 bytes, 13 before them, 7 of header and checksum, 2 of COBS and 2 delimiters, each 8 ms.
     #[test]
     fn codes_of_every_tick_are_a_share_of_a_megabaud() {
         let quiet = Traffic { telemetry_us: u32::MAX, knot_us: u64::MAX, heartbeat_us: u64::MAX, ..TRAFFIC };
         let codes = Sampling::new(Codes, &quiet, Some(1_000_000)).unwrap();
-        assert_eq!((codes.period_us, codes.samples), (1_000, 9));
-        let by_hand = 10.0 * (9.0 * 26.0 + 13.0 + 7.0 + 2.0 + 2.0) / 9_000.0;
+        assert_eq!((codes.period_us, codes.samples), (1_000, 8));
+        let by_hand = 10.0 * (8.0 * 28.0 + 13.0 + 7.0 + 2.0 + 2.0) / 8_000.0;
         let share = codes.share(&quiet, 1_000_000);
         println!("codes of 9 channels: {share:.4} of 1 MBd");
         assert!((share - by_hand).abs() < 0.002, "{share} {by_hand}");
