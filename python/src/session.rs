@@ -132,7 +132,7 @@ impl Seen {
             gripping: view.jog.is_gripping(),
             is_moving: view.jog.is_moving(),
             refusal: view.jog.refusal().map(ToString::to_string),
-            faults: view.faults.to_vec(),
+            faults: view.faults.iter().map(|fault| fault.text.clone()).collect(),
             columns: [
                 drives(|drive| drive.setpoint),
                 drives(|drive| drive.modelled),

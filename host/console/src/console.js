@@ -309,7 +309,7 @@
     ["x", "y", "z"].forEach((axis, index) => move_row({ drive: null, axis: index }, `tip ${axis}`));
     scene.drives.forEach((drive, index) => { move_row({ drive: index, axis: 0 }, drive.name); strip_of(drive); });
     const options = (id, texts, chosen) => by_id(id).replaceChildren(...texts.map((text, index) => Object.assign(document.createElement("option"), { value: index, textContent: text, selected: index === chosen })));
-    options("speed", scene.speeds.map((one) => `${one} a second`), 1);
+    options("speed", scene.speeds.map((one) => `${one} mm, deg or kPa a second`), 1);
     options("step", scene.steps.map((one) => `${one} mm, deg or kPa`), 1);
     by_id("fault").replaceChildren(...scene.faults.map(({ name }) => Object.assign(document.createElement("option"), { value: name, textContent: name })));
     by_id("of_channel").hidden = !(scene.faults[0] && scene.faults[0].of_channel);

@@ -405,7 +405,7 @@ fn tip_beyond_its_tolerance_or_its_region_is_a_miss() {
         to_s: None,
     }];
     carried.info.simulated = true;
-    let expected = "The limb missed its goal in “grasp”, but bottle was still carried: a simulated gripper takes its object wherever it closes.";
+    let expected = "The limb missed its goal in “grasp”, but “bottle” was still carried: a simulated gripper takes its object wherever it closes.";
     assert_eq!(verdict(&carried)[1], expected);
     let told = |run: &RunLog| html(run).matches("takes its object wherever it closes").count();
     assert_eq!(told(&carried), 1);

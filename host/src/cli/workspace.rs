@@ -115,7 +115,9 @@ impl Workspace {
             write_if(self.svg.as_ref(), || {
                 let grids = (&result.grids[0], Some(&result.free_grid));
                 let (name, mass_kg) = (scene.name(), scene.mass_kg());
-                let title = format!("{name} under its own weight, {mass_kg:.2} kg, and {payload_kg:.2} kg at the tip");
+                let carried =
+                    if payload_kg > 0.0 { format!(", and {payload_kg:.2} kg at the tip") } else { String::new() };
+                let title = format!("{name} under its own weight, {mass_kg:.2} kg{carried}");
                 workspace::picture(&title, grids, &rest_m(&limb), &[])
             })?;
             show_of(self.json, &limb, &result.printed(), || workspace_loaded::table(&result))?;

@@ -79,12 +79,12 @@ pub(super) fn drawing(piece: &Piece) -> String {
     );
     let winding = &piece.winding;
     let angle = format!(
-        "winding {:.1} deg from the hoop, {} thread{} in {} hand{}, at radius {} mm",
+        "winding {:.1} deg from the hoop, {} thread{} in {}, at radius {} mm",
         winding.angle_rad.to_degrees(),
         winding.threads(),
         if winding.threads() == 1 { "" } else { "s" },
-        winding.hands.len(),
-        if winding.hands.len() == 1 { "" } else { "s" },
+        // Only the front is drawn: the threads of two hands cross there.
+        if winding.hands.len() == 1 { "1 hand" } else { "2 hands (right blue, left brown)" },
         mm(winding.radius_m)
     );
     let _ = writeln!(svg, "<text class=\"start\" x=\"{LEFT}\" y=\"16\">{angle}</text>");

@@ -241,7 +241,11 @@ fn elastomer(piece: &Piece, settings: &Settings) -> Table {
     let count = piece.copies.len();
     rows.push(row("elastomer, one actuator", ml(all), "π (R_o² - R_i²) L; caps and waste not counted"));
     rows.push(row("mass, one actuator", grams(all), format!("{} kg/m3", piece.density_kg_per_m3)));
-    rows.push(row("mass, all of this page", grams(all * count as f64), format!("{count} actuators")));
+    rows.push(row(
+        "mass, all of this page",
+        grams(all * count as f64),
+        if count == 1 { "1 actuator".into() } else { format!("{count} actuators") },
+    ));
     rows.push(row("chamber at rest", ml(piece.chamber_m3()), "π R_i² L"));
     rows.push(row("pressure, at most", format!("{:.1} kPa", piece.pressure_max_pa * 1e-3), "gauge"));
     table("Elastomer and air", rows)

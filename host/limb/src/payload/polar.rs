@@ -27,8 +27,8 @@ const CHORDS: usize = 90;
 const SPOKES: usize = 8;
 /// Directions in which the names of the circles may stand, rad: near the vertical, so that they do not touch each other.
 const NAMED_RAD: [f64; 4] = [1.2, 1.95, -1.2, -1.95];
-/// Middle of a name from its point and half its size, to the right and up; room around it that is enough, px.
-const NAME_ASIDE: [f64; 2] = [23.0, 9.0];
+/// Middle of a note from its point, and half the size of a name, to the right and up; room around it that is enough, px.
+const NOTE_ASIDE: [f64; 2] = [23.0, 9.0];
 const NAME_HALF: [f64; 2] = [17.0, 6.0];
 const FREE: f64 = 4.0;
 /// Parts of a piece of a curve.
@@ -81,8 +81,8 @@ pub fn polar_picture(title: &str, poses: &[Polar]) -> String {
     let rows: Vec<Vec<Chart>> = charts.chunks(COLUMNS).map(<[Chart]>::to_vec).collect();
     let middle = newtons(10_f64.powi(radius.exponents[0]));
     let mut caption = format!(
-        "{title}: the largest force on the tip that the pressures can hold, in every direction. Straight down is a hanging weight. \
-         The distance from the centre is the force, on a logarithmic scale; the centre is {middle} or less."
+        "{title}: the largest force on the tip that the pressures can hold, in all directions of two planes. Straight down is a hanging weight. \
+         The distance from the center is the force, on a logarithmic scale; the center is {middle} or less."
     );
     let planes = || poses.iter().flat_map(|pose| &pose.loads_n);
     if planes().flatten().any(|[x, y]| !x.hypot(*y).is_finite()) {
@@ -136,7 +136,7 @@ fn at(share: f64, angle: f64) -> [f64; 2] {
     [share * angle.cos(), share * angle.sin()]
 }
 
-/// Loads of the labelled circles, N, and places of the labels. All labels lie along the direction of [`NAMED_RAD`] with the most room.
+/// Loads of the labelled circles, N, and the middles of the labels, on the circles. All lie along the direction of [`NAMED_RAD`] with the most room.
 /// Inner circles whose label a curve would cross have none.
 fn circle_names(radius: &Radius, curves: &[Vec<[f64; 2]>]) -> Vec<(f64, [f64; 2])> {
     let circles_n = radius.circles_n();
@@ -149,11 +149,10 @@ fn circle_names(radius: &Radius, curves: &[Vec<[f64; 2]>]) -> Vec<(f64, [f64; 2]
     named.map(|&load_n| (load_n, at(radius.share(load_n), best))).collect()
 }
 
-/// Distance of the curves from the name of a point, px.
+/// Distance of the curves from a name whose middle is a point, px.
 fn room_px(point: [f64; 2], curves: &[Vec<[f64; 2]>]) -> f64 {
     let px = |[x, y]: [f64; 2]| [x * AREA[0] / (2.0 * REACH), y * AREA[1] / (2.0 * REACH)];
-    let [across, up] = px(point);
-    let name = [across + NAME_ASIDE[0], up + NAME_ASIDE[1]];
+    let name = px(point);
     let steps = curves.iter().flat_map(|curve| curve.windows(2)).flat_map(|ends| {
         let [from, to] = [px(ends[0]), px(ends[1])];
         (0..=PARTS).map(move |part| {
@@ -172,7 +171,7 @@ fn room_px(point: [f64; 2], curves: &[Vec<[f64; 2]>]) -> f64 {
 fn without_curve(plane: &str, loads_n: &[[f64; 2]]) -> Option<String> {
     let are = |holds: fn(f64) -> bool| loads_n.iter().all(|[x, y]| holds(x.hypot(*y)));
     match (are(|load_n| load_n == 0.0), are(|load_n| !load_n.is_finite())) {
-        (true, _) => Some(format!("{plane}: no force in any direction")),
+        (true, _) => Some(format!("{plane}: no force")),
         (_, true) => Some(format!("{plane}: any force, by the walls alone")),
         _ => None,
     }
@@ -197,9 +196,12 @@ fn chart(pose: &Polar, radius: &Radius) -> Chart {
     for share in radius.circles_n().into_iter().map(|load_n| radius.share(load_n)) {
         series.push(grid((0..=CHORDS).map(|chord| at(share, TAU * chord as f64 / CHORDS as f64)).collect()));
     }
-    let names = circle_names(radius, &curves).into_iter();
-    let mut notes: Vec<Note> =
-        names.map(|(load_n, at)| Note { at, text: newtons(load_n), meaning: String::new() }).collect();
+    let name = |(load_n, middle): (f64, [f64; 2])| Note {
+        at: [0, 1].map(|axis: usize| middle[axis] - NOTE_ASIDE[axis] * 2.0 * REACH / AREA[axis]),
+        text: newtons(load_n),
+        meaning: String::new(),
+    };
+    let mut notes: Vec<Note> = circle_names(radius, &curves).into_iter().map(name).collect();
     let spokes = (0..SPOKES).flat_map(|spoke| {
         let angle = TAU * spoke as f64 / SPOKES as f64;
         [[0.0; 2], at(1.0, angle), [f64::NAN; 2]]
@@ -244,7 +246,7 @@ mod tests {
     #[test]
     fn plane_without_a_curve_says_why() {
         for (loads_n, words) in [
-            ([0.0; 4], Some("plane y z: no force in any direction")),
+            ([0.0; 4], Some("plane y z: no force")),
             ([f64::NAN; 4], Some("plane y z: any force, by the walls alone")),
             ([0.0, 3.0, f64::NAN, 0.0], None),
         ] {
@@ -273,7 +275,7 @@ mod tests {
         assert!(named_rad(&[line(1.1), line(1.85)]) < 0.0);
         // Two circles cross the names of the innermost one in all directions.
         let around = |share: f64| (0..=72).map(|step| at(share, TAU * f64::from(step) / 72.0)).collect();
-        let names = circle_names(&radius, &[around(0.25), around(0.42)]);
+        let names = circle_names(&radius, &[around(0.32), around(0.36)]);
         let loads_n: Vec<f64> = names.into_iter().map(|(load_n, _)| load_n).collect();
         assert_eq!(loads_n, [100.0, 1000.0]);
     }

@@ -13,8 +13,8 @@ const COLUMNS: usize = 2;
 /// Most tips that are shown for a pose, and points of an ellipse.
 const DOTS: usize = 150;
 const ELLIPSE_POINTS: usize = 64;
-/// Least ratio of a view's height to its width: a limb in a plane would leave no room for the axis.
-const LEAST_HEIGHT: f64 = 0.35;
+/// Least ratio of a view's height to its width: a limb in a plane would leave no room for three ticks of the axis.
+const LEAST_HEIGHT: f64 = 0.6;
 /// Points of a curve.
 const POINTS: usize = 200;
 

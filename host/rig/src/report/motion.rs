@@ -253,10 +253,12 @@ fn draw_solid(svg: &mut String, view: &Projection, solid: &SolidInfo) {
         }
         Some(SolidShape::Capsule { from_m, to_m, radius_m }) => {
             let line = format!("{} {}", view.text(from_m), view.text(to_m));
+            let width = 2.0 * view.length(*radius_m);
             let _ = writeln!(
                 svg,
-                "<polyline class=\"rod\" stroke-width=\"{:.1}\" points=\"{line}\"/>",
-                2.0 * view.length(*radius_m)
+                "<polyline class=\"rod edge\" stroke-width=\"{:.1}\" points=\"{line}\"/>\
+                 <polyline class=\"rod\" stroke-width=\"{width:.1}\" points=\"{line}\"/>",
+                width + 2.0
             );
         }
         Some(SolidShape::Box { center_m, half_axes_m }) => {
@@ -327,7 +329,8 @@ use { fill: none; stroke-linejoin: round; }
 .rigid.edge { stroke: var(--rigid-dark); } .rigid.core { stroke: var(--rigid); } .rigid.light { stroke: var(--rigid-light); }
 .obstacle { fill: var(--obstacle); stroke: var(--page); stroke-width: 0.5; }
 .face0 { filter: brightness(0.92); } .face1 { filter: brightness(0.8); } .face2 { filter: brightness(1.08); }
-.rod { stroke: var(--obstacle); stroke-linecap: round; }
+.rod { stroke: var(--obstacle); stroke-linecap: round; filter: brightness(0.8); }
+.rod.edge { stroke: var(--page); filter: none; }
 .region { fill: none; stroke: var(--region); stroke-dasharray: 4 3; filter: none; }
 .near { opacity: 0.6; }
 .object { fill: var(--object); } .top { fill: var(--object-top); }

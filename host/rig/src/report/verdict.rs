@@ -138,7 +138,10 @@ fn grasped_off_goal(log: &RunLog, outcomes: &[Outcome<'_>]) -> Option<String> {
         1 => format!("The limb missed its goal in {phase}"),
         count => format!("The limb missed its goal in {count} picks, first in {phase}"),
     };
-    Some(format!("{missed}, but {object} was still carried: a simulated gripper takes its object wherever it closes."))
+    Some(format!(
+        "{missed}, but {} was still carried: a simulated gripper takes its object wherever it closes.",
+        quoted(object)
+    ))
 }
 
 fn counted(count: usize, thing: &str) -> String {

@@ -224,7 +224,7 @@ pub(super) fn after(cause: &LinkError, scene: &Scene, simulated: bool) -> String
         }
         _ => "Arm starts a new session.",
     };
-    format!("{pressures} Pressures are not shown after the end of a session. {next}")
+    format!("{pressures} The plots end with the session. {next}")
 }
 
 /// The place of the next target; a region is drawn as such.

@@ -87,11 +87,14 @@ const LimbView = (() => {
       g.clearRect(0, 0, box.width, box.height);
       this.patches = [];
       this.grid();
-      for (const solid of state.solids) this.solid(solid);
+      const [regions, obstacles] = [true, false].map((is_region) => state.solids.filter((solid) => Boolean(solid.region) === is_region));
+      for (const solid of obstacles) this.solid(solid);
       for (const object of state.carried) this.object(object);
       if (state.body) this.limb(state.body);
       this.patches.sort((a, b) => b.depth - a.depth);
       for (const patch of this.patches) patch.draw();
+      // A goal within walls is seen through them.
+      for (const solid of regions) this.solid(solid);
       if (state.start) this.line(state.start, rgb(this.colors.soft, 0.7), 1.5, [1, 3]);
       if (state.plan) this.line(state.plan, rgb(this.colors.soft, 0.8), 1.25, [4, 4]);
       if (state.ghost) this.line(state.ghost, rgb(this.colors.ink, 0.7), 1.5, [6, 4]);

@@ -50,7 +50,7 @@ const Plots = (() => {
       return this.described.traces.map((trace) => {
         const { x, y } = Columns.thinned(this.times(trace), this.values(trace), from, to, INTERVALS);
         const color = this.color(trace);
-        const line = { line: { color, width: 2 }, setpoint: { color: faded(color, 0.35), width: 6 }, planned: { color, width: 1.5, dash: "dash" }, required: { color, width: 2, dash: "dot" } };
+        const line = { line: { color, width: 2 }, setpoint: { color: faded(color, 0.7), width: 6 }, planned: { color, width: 1.5, dash: "dash" }, required: { color, width: 2, dash: "dot" } };
         const alone = x.length < 2 ? "markers" : "lines";
         return { type: "scatter", mode: alone, marker: { color }, x, y, name: trace.name, line: { ...line[trace.style], ...(trace.width && { width: trace.width }) }, hovertemplate: `%{y:.${this.digits()}f}` };
       });
