@@ -188,7 +188,7 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// In Faulted an emergency stop that cuts the valves' supply as well keeps its name.
+    /// Not in Faulted: an emergency stop may cut the valves' supply too, and is the fault to report then.
     fn watch_valve_supply(&mut self, now_us: u64) {
         let low = self.state != DeviceState::Faulted && self.lacks_valve_voltage();
         if !self.valve_supply_low.holds(low, VALVE_SUPPLY_LOW_TICKS) {
@@ -239,7 +239,7 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// A fault that forbids starting: a latched one, a low supply of air or of the valves' voltage, an empty buffer.
+    /// A fault that forbids starting: a latched one, too little air or voltage in a supply, an empty buffer.
     pub(crate) fn obstacle_to_start(&self) -> Option<FaultCode> {
         let supply_min_pa = self.config.as_ref().map_or(0.0, |config| config.system.supply_min_pa);
         let low = (self.supply.pressure_pa() < supply_min_pa).then_some(FaultCode::SupplyLow);
@@ -267,7 +267,7 @@ impl<const N: usize> Controller<N> {
         if self.state != DeviceState::Idle || self.config.is_none() {
             return;
         }
-        // Vents without voltage stay closed: what is behind them is no zero.
+        // Without voltage the vents stay closed, and air may be left in a chamber: its reading is not the zero.
         if !self.has_plausible_sensors() || self.lacks_valve_voltage() {
             return;
         }

@@ -4,8 +4,8 @@ use crate::random::Random;
 
 const NEVER: u64 = u64::MAX;
 
-/// Share of the nominal voltage from which on a coil opens its valve, and that which keeps an open one open: the gap of a closed armature takes
-/// twice the current for the same force.
+/// Shares of the nominal voltage: the least that opens a valve, and the least that keeps it open. An armature that has closed its gap needs
+/// about half the current.
 const PULL_IN: f64 = 0.7;
 const HOLD_IN: f64 = 0.35;
 
@@ -16,8 +16,8 @@ pub(crate) enum Coils {
     PullIn,
     /// They keep open what is open.
     HoldIn,
-    /// They fall off.
-    FallOff,
+    /// They drop out.
+    DropOut,
 }
 
 impl Coils {
@@ -26,7 +26,7 @@ impl Coils {
         match share {
             _ if share >= PULL_IN => Self::PullIn,
             _ if share >= HOLD_IN => Self::HoldIn,
-            _ => Self::FallOff,
+            _ => Self::DropOut,
         }
     }
 
@@ -35,7 +35,7 @@ impl Coils {
         match self {
             Self::PullIn => true,
             Self::HoldIn => is_open,
-            Self::FallOff => false,
+            Self::DropOut => false,
         }
     }
 }

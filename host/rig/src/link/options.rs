@@ -35,8 +35,8 @@ pub struct StreamOptions<'a> {
     pub attempts_max: u32,
     /// Stretch of setpoints that is buffered before the start, and that a full buffer must cover: the pause of the host that it bridges.
     pub buffer_us: u64,
-    /// Vent the limb once the last knot has passed. Without it the device is left holding; a simulated one that is not used again needs no
-    /// more. A run that fails vents in either case.
+    /// Vent the limb once the last knot has passed. `false` leaves the device holding: only for a simulated device that is not used again. A
+    /// run that fails vents in either case.
     pub vents: bool,
     /// Longest time of the pressures to go down.
     pub vent_max_us: u64,

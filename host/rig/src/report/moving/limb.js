@@ -93,7 +93,7 @@ const LimbView = (() => {
       if (state.body) this.limb(state.body);
       this.patches.sort((a, b) => b.depth - a.depth);
       for (const patch of this.patches) patch.draw();
-      // A goal within walls is seen through them.
+      // A region inside a box shows through its walls.
       for (const solid of regions) this.solid(solid);
       if (state.start) this.line(state.start, rgb(this.colors.soft, 0.7), 1.5, [1, 3]);
       if (state.plan) this.line(state.plan, rgb(this.colors.soft, 0.8), 1.25, [4, 4]);
