@@ -161,15 +161,19 @@ struct Moves<const N: usize> {
 struct Form<const N: usize>(SMatrix<f64, N, N>);
 
 impl<const N: usize> Form<N> {
-    /// Adds the product of two rows times a factor. Inlined at each of its calls it would be 100 kB of the binary.
+    /// Adds the product of two rows. Inlined at each of its calls it would be 100 kB of the binary.
     #[inline(never)]
-    fn add(&mut self, factor: f64, a: &Row<N>, b: &Row<N>) {
+    fn add(&mut self, a: &Row<N>, b: &Row<N>) {
         // Arrays of a known size take whole registers; nalgebra's own update goes entry by entry.
         let (rows, columns): (&[f64; N], &[f64; N]) = (&a.data.0[0], &b.data.0[0]);
         for (column, by) in self.0.data.0.iter_mut().zip(columns) {
-            let by = 2.0 * factor * by;
             column.iter_mut().zip(rows).for_each(|(entry, row)| *entry += by * row);
         }
+    }
+
+    /// Adds the product of the bend and a row.
+    fn add_bend(&mut self, row: &Row<N>) {
+        self.0.row_mut(0).iter_mut().zip(row.iter()).for_each(|(entry, by)| *entry += by);
     }
 }
 
@@ -227,7 +231,7 @@ impl<'a, const S: usize, const N: usize> Wall<'a, S, N> {
             }
         }
         self.add_lumen(&mut form);
-        (form.0 + form.0.transpose()) * (0.5 * PI)
+        (form.0 + form.0.transpose()) * PI
     }
 
     /// Radii at rest between two, m, with `R dR`, by zones that end where one of the windings does.
@@ -341,9 +345,15 @@ impl<'a, const S: usize, const N: usize> Wall<'a, S, N> {
         // Of five functions the last counts in a wall with a second kink.
         let functions = (S - 1) / 2;
         let row = |own: [f64; FUNCTIONS + 1], at: usize| {
-            Row::from_fn(|index, _| if (at..at + functions).contains(&index) { own[index - at] } else { 0.0 })
+            let mut row = Row::<N>::zeros();
+            row.as_mut_slice()[at..][..functions].copy_from_slice(&own[..functions]);
+            row
         };
-        let slope = |row: &Row<N>| Row::from_fn(|index, _| if index < S { 0.0 } else { row[index - S] });
+        let slope = |row: &Row<N>| {
+            let mut slope = Row::<N>::zeros();
+            slope.as_mut_slice()[S..].copy_from_slice(&row.as_slice()[..N - S]);
+            slope
+        };
         let [beyond, further] = self.kinks.map(|kink| f64::from(x > kink));
         let (y, z) = (beyond * (x - self.kinks[0]), further * (x - self.kinks[1]));
         let bend = Row::from_fn(|index, _| f64::from(index == 0));
@@ -365,27 +375,30 @@ impl<'a, const S: usize, const N: usize> Wall<'a, S, N> {
 
     fn add_elastomer(&self, form: &mut Form<N>, place: &Place, radial_pa: f64, weight: f64) {
         let Place { rest_m, r_m: r, slope, energy } = *place;
-        let Moves { bend, u, v, w, around, by_radius: [u_r, v_r, w_r], along: [out, turned, along], .. } =
-            &self.moves(place);
+        let Moves { u, v, w, around, by_radius: [u_r, v_r, w_r], along: [out, turned, along], .. } = &self.moves(place);
         let (hoop, twist) = (r / rest_m, self.twist * r);
         let elastic = energy[0] * weight;
-        for row in [u_r, v_r, w_r, out, turned, along] {
-            form.add(elastic, row, row);
-        }
-        form.add(2.0 * elastic / (rest_m * rest_m), around, around);
-        form.add(elastic / (rest_m * rest_m), w, w);
-        form.add(2.0 * elastic, bend, &((v - u) * self.stretch - w * twist));
-        let first = (u_r * slope + around * (hoop / rest_m) + turned * twist + along * self.stretch) * 2.0;
-        form.add(0.5 * energy[1] * weight, &first, &first);
+        let per_area = elastic / (rest_m * rest_m);
         // The wall's own pressure times the change of its volume to second order.
         let volume = (radial_pa - 2.0 * energy[0] * slope * slope) * weight;
-        form.add(volume / self.stretch, bend, &(v - u));
-        form.add(volume / rest_m, u_r, &(around * self.stretch - w * twist));
-        form.add(volume / rest_m, around, &(v_r * self.stretch - w_r * twist));
-        form.add(volume * hoop, u_r, along);
-        form.add(volume * hoop, w_r, out);
-        form.add(volume * slope / rest_m, around, along);
-        form.add(-volume * slope / rest_m, w, turned);
+        let per_length = volume / rest_m;
+        // One product a row, with all that multiplies it.
+        form.add(u_r, &(u_r * elastic + (around * self.stretch - w * twist) * per_length + along * (volume * hoop)));
+        form.add(v_r, &(v_r * elastic));
+        form.add(w_r, &(w_r * elastic + out * (volume * hoop)));
+        for row in [out, turned, along] {
+            form.add(row, &(row * elastic));
+        }
+        let carried = (v_r * self.stretch - w_r * twist + along * slope) * per_length;
+        form.add(around, &(around * (2.0 * per_area) + carried));
+        form.add(w, &(w * per_area - turned * (per_length * slope)));
+        form.add_bend(
+            &((v - u) * (2.0 * elastic * self.stretch + volume / self.stretch) - w * (2.0 * elastic * twist)),
+        );
+        if energy[1] != 0.0 {
+            let first = u_r * slope + around * (hoop / rest_m) + turned * twist + along * self.stretch;
+            form.add(&first, &(first * (2.0 * energy[1] * weight)));
+        }
     }
 
     /// A thread at an angle from the hoop: its direction now, its `I4 - 1`, and its pull outwards per length.
@@ -400,15 +413,15 @@ impl<'a, const S: usize, const N: usize> Wall<'a, S, N> {
     fn add_thread(&self, form: &mut Form<N>, angle: [f64; 2], place: &Place, tension: f64, stiffness: f64) {
         let [cos, sin] = angle;
         let [_, hoop, axial] = self.thread(angle, place).along;
-        let Moves { bend, u, v, w, around, along: [out, turned, along], .. } = &self.moves(place);
+        let Moves { u, v, w, around, along: [out, turned, along], .. } = &self.moves(place);
         let [around, w_around] = [around, w].map(|row| row * (cos / place.rest_m));
         let (outwards, sideways, lengthwise) = (around + out * sin, around + turned * sin, w_around + along * sin);
         for row in [outwards, sideways, lengthwise] {
-            form.add(0.5 * tension, &row, &row);
+            form.add(&row, &(row * (0.5 * tension)));
         }
-        form.add(tension * sin, bend, &((v - u) * axial - w * hoop));
-        let first = (sideways * hoop + lengthwise * axial) * 2.0;
-        form.add(0.5 * stiffness, &first, &first);
+        form.add_bend(&(((v - u) * axial - w * hoop) * (tension * sin)));
+        let first = sideways * hoop + lengthwise * axial;
+        form.add(&first, &(first * (2.0 * stiffness)));
     }
 
     /// Less the work of the lumen's pressure.
@@ -416,8 +429,8 @@ impl<'a, const S: usize, const N: usize> Wall<'a, S, N> {
         let inner = self.place(self.parameters.inner_radius_m);
         let Moves { bend, u, around, slopes: [_, _, w_z], .. } = &self.moves(&inner);
         let p = self.pressure_pa;
-        form.add(-0.5 * p * self.stretch, around, around);
-        form.add(p * inner.r_m, u, &(bend * inner.r_m + w_z));
+        form.add(around, &(around * (-0.5 * p * self.stretch)));
+        form.add(u, &((bend * inner.r_m + w_z) * (p * inner.r_m)));
     }
 }
 
