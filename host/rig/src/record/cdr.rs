@@ -8,6 +8,9 @@
 /// Representation identifier: plain CDR, little-endian, no options.
 const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
+/// Room for a message at its start, bytes: most are smaller.
+const MESSAGE: usize = 1 << 10;
+
 /// Why a message does not decode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum CdrError {
@@ -37,7 +40,9 @@ pub(super) struct CdrWriter {
 impl CdrWriter {
     /// An empty message.
     pub(super) fn new() -> Self {
-        Self { bytes: ENCAPSULATION.to_vec() }
+        let mut bytes = Vec::with_capacity(MESSAGE);
+        bytes.extend_from_slice(&ENCAPSULATION);
+        Self { bytes }
     }
 
     /// The finished message.
@@ -45,11 +50,26 @@ impl CdrWriter {
         self.bytes
     }
 
-    fn number<const N: usize>(&mut self, le_bytes: [u8; N]) {
+    /// Appends zeros up to a multiple of a size.
+    fn align(&mut self, size: usize) {
         let body = self.bytes.len() - ENCAPSULATION.len();
-        let padded = body.next_multiple_of(N) + ENCAPSULATION.len();
-        self.bytes.resize(padded, 0);
-        self.bytes.extend_from_slice(&le_bytes);
+        self.bytes.resize(body.next_multiple_of(size) + ENCAPSULATION.len(), 0);
+    }
+
+    /// Appends numbers of one size, which need no count.
+    fn numbers<const N: usize>(&mut self, numbers: impl ExactSizeIterator<Item = [u8; N]>) {
+        if numbers.len() == 0 {
+            return;
+        }
+        self.align(N);
+        let start = self.bytes.len();
+        self.bytes.resize(start + N * numbers.len(), 0);
+        let (places, _) = self.bytes[start..].as_chunks_mut::<N>();
+        places.iter_mut().zip(numbers).for_each(|(place, number)| *place = number);
+    }
+
+    fn number<const N: usize>(&mut self, le_bytes: [u8; N]) {
+        self.numbers([le_bytes].into_iter());
     }
 
     /// Appends a `uint8`.
@@ -103,7 +123,7 @@ impl CdrWriter {
     /// Appends a `float64[]`.
     pub(super) fn f64_sequence(&mut self, values: impl ExactSizeIterator<Item = f64>) {
         self.length(values.len());
-        values.for_each(|value| self.f64(value));
+        self.numbers(values.map(f64::to_le_bytes));
     }
 
     /// Appends a `uint8[]`.
@@ -115,14 +135,12 @@ impl CdrWriter {
     /// Appends a `uint16[]`.
     pub(super) fn u16_sequence(&mut self, values: impl ExactSizeIterator<Item = u16>) {
         self.length(values.len());
-        values.for_each(|value| self.u16(value));
+        self.numbers(values.map(u16::to_le_bytes));
     }
 
     /// Appends a `geometry_msgs/Point`.
-    pub(super) fn point(&mut self, [x, y, z]: [f64; 3]) {
-        self.f64(x);
-        self.f64(y);
-        self.f64(z);
+    pub(super) fn point(&mut self, point: [f64; 3]) {
+        self.numbers(point.map(f64::to_le_bytes).into_iter());
     }
 }
 

@@ -54,7 +54,7 @@ pub(super) fn encode_ticks(unix_ns: u64, ticks: &[DeviceTick], at_pins: bool) ->
     let Some(first) = ticks.first() else { return begin(unix_ns).into_bytes() };
     let switches =
         |tick: &DeviceTick| u8::from(tick.stop_pressed) * STOP_PRESSED + u8::from(tick.supply_open) * SUPPLY_OPEN;
-    let codes: Vec<u16> = ticks.iter().flat_map(|tick| tick.codes.iter().copied()).collect();
+    let codes = ticks.iter().map(|tick| &tick.codes[..]).collect::<Vec<_>>().concat();
     let pulses: Vec<(u16, CoilPulse)> =
         (0..).zip(ticks).flat_map(|(index, tick)| tick.pulses.iter().map(move |&pulse| (index, pulse))).collect();
     let mut cdr = begin(unix_ns);

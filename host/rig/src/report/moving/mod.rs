@@ -5,6 +5,7 @@ mod panels;
 mod space;
 
 use askama::Template;
+use data_encoding::BASE64;
 use serde::Serialize;
 
 use super::causes::TOLERANCE;
@@ -12,7 +13,7 @@ use super::facts::{Facts, facts};
 use super::verdict::{self, Card, PhaseRow, Verdict};
 use super::{Summary, rows, summary};
 use crate::record::{FaultRecord, InjectedFault, PhaseInfo, RunLog};
-use columns::{Table, base64, packed};
+use columns::{Table, packed};
 use panels::{Panel, Plots, plots};
 use space::{Entry, Space, space};
 
@@ -161,7 +162,7 @@ pub fn html(log: &RunLog) -> String {
         columns_script: include_str!("columns.js"),
         plots_script: include_str!("plots.js"),
         page_script: include_str!("page.js"),
-        plotly: base64(PLOTLY),
+        plotly: BASE64.encode(PLOTLY),
         run: json(&run),
         numbers: packed(&tables.map(|(_, table)| table)),
         scene_text: &log.info.scene_text,
