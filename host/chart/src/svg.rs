@@ -361,6 +361,9 @@ fn width(series: &Series) -> String {
     format!(" style=\"stroke-width:{}\"", (100.0 * width).round() / 100.0)
 }
 
+/// Dots of one series beyond which they are small, so that a cloud shows how dense it is.
+const CROWD: usize = 100;
+
 fn is_mark(stroke: Stroke) -> bool {
     matches!(stroke, Stroke::Dots | Stroke::Rings | Stroke::Crosses | Stroke::Squares)
 }
@@ -390,7 +393,11 @@ fn draw_mark(svg: &mut String, series: &Series, [x, y]: [f64; 2]) {
             writeln!(svg, "<path class=\"{classes}\" d=\"M{left:.1} {top:.1}h7.2v7.2h-7.2z\"/>")
         }
         _ => {
-            let radius = if series.stroke == Stroke::Rings { 5.4 } else { 2.8 };
+            let radius = match series.stroke {
+                Stroke::Rings => 5.4,
+                _ if series.points.len() > CROWD => 1.5,
+                _ => 2.8,
+            };
             writeln!(svg, "<circle class=\"{classes}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>")
         }
     };

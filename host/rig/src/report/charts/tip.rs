@@ -136,6 +136,8 @@ fn view(
     }));
     series.push(path(log, "tip setpoint", Color::Ink, Stroke::Dashed, |sample| Some(seen(&sample.tip_setpoint_m))));
     let ends = shapes.iter().filter_map(|(phase, shape)| Some((*phase, seen(shape.setpoint.last()?))));
+    let points = ends.clone().map(|(_, end)| end).collect();
+    series.push(Series { label: String::new(), color: Color::Ink, stroke: Stroke::Dots, points });
     layout.chart(title, axes, extents, series, notes(ends, SAME_PLACE_PX / layout.px_per_mm))
 }
 

@@ -105,17 +105,24 @@ const LimbView = (() => {
       this.axes();
     }
 
-    // Names of solids and carried objects in a column beside the solids, in the order of their heights, each with a line to its middle.
+    // Names of solids and carried objects in a column beside the solids, in the order of their heights, each with a line to a place of it that is seen.
+    // A ring ends the line where others hide all of it.
     names(solids, carried, targets) {
+      const seen = (one) => {
+        const box = one.shape && one.shape.box;
+        if (!box) return { name: one.name, at: middle(one) };
+        const places = one.region ? [box.center_m] : this.places(box);
+        const clear = places.find((at) => !solids.some((other) => other !== one && !other.region && this.hides(other, at)));
+        return { name: one.name, at: clear || box.center_m, hidden: !clear && !one.region };
+      };
       const middle = ({ shape, lines_m }) => {
-        if (shape && shape.box) return shape.box.center_m;
         if (shape && shape.sphere) return shape.sphere.center_m;
         if (shape && shape.capsule) return add(shape.capsule.from_m, sub(shape.capsule.to_m, shape.capsule.from_m), 0.5);
         const points = lines_m.flat().filter(finite);
         return points.reduce((sum, p) => add(sum, p, 1 / points.length), [0, 0, 0]);
       };
-      const places = [...solids.map((one) => ({ name: one.name, at: middle(one) })), ...carried].filter(({ name, at }) => name && finite(at));
-      const marks = places.map(({ name, at }) => ({ name, mark: this.project(at) })).sort((a, b) => a.mark[1] - b.mark[1]);
+      const places = [...solids.map(seen), ...carried].filter(({ name, at }) => name && finite(at));
+      const marks = places.map(({ name, at, hidden }) => ({ name, hidden, mark: this.project(at) })).sort((a, b) => a.mark[1] - b.mark[1]);
       this.named = [];
       if (!marks.length) return;
       const g = this.g;
@@ -134,7 +141,7 @@ const LimbView = (() => {
       const heights = pushed.map((height, i) => Math.max(10 + step * i, height - shift));
       let above = this.height - 10 + step;
       for (let i = heights.length - 1; i >= 0; i--) above = heights[i] = Math.min(heights[i], above - step);
-      marks.forEach(({ name, mark: [x, y] }, i) => {
+      marks.forEach(({ name, hidden, mark: [x, y] }, i) => {
         const width = g.measureText(name).width / 2;
         const start = column - side * half;
         Object.assign(g, { strokeStyle: rgb(this.colors.ink, 0.55), fillStyle: rgb(this.colors.ink, 0.8), lineWidth: 0.8 });
@@ -144,13 +151,38 @@ const LimbView = (() => {
         g.stroke();
         g.beginPath();
         g.arc(x, y, 2, 0, 2 * Math.PI);
-        g.fill();
+        if (hidden) g.stroke(); else g.fill();
         const at = start + side * width;
         Object.assign(g, { textAlign: "center", lineWidth: 3, strokeStyle: rgb(this.colors.page, 0.8), fillStyle: rgb(this.colors.ink) });
         g.strokeText(name, at, heights[i]);
         g.fillText(name, at, heights[i]);
         this.named.push({ name, x: at, y: heights[i], half: width });
       });
+    }
+
+    // The middle of a box, then those of its faces and edges, which are seen more often.
+    places({ center_m, half_axes_m }) {
+      const signs = [-1, 0, 1].flatMap((a) => [-1, 0, 1].flatMap((b) => [-1, 0, 1].map((c) => [a, b, c])));
+      const order = (sign) => sign.reduce((sum, one) => sum + Math.abs(one), 0);
+      signs.sort((a, b) => order(a) - order(b));
+      return signs.map((sign) => sign.reduce((at, one, axis) => add(at, half_axes_m[axis], 0.9 * one), center_m));
+    }
+
+    // Whether a box stands between a place and the eye.
+    hides({ shape }, at) {
+      if (!shape || !shape.box) return false;
+      const { center_m, half_axes_m } = shape.box;
+      const [ca, sa, ce, se] = [Math.cos(this.azimuth), Math.sin(this.azimuth), Math.cos(this.elevation), Math.sin(this.elevation)];
+      const way = sub(add(this.middle, [ca * ce, sa * ce, se], this.distance), at);
+      const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+      let [from, to] = [0, 1];
+      for (const half of half_axes_m) {
+        const [start, step] = [dot(sub(at, center_m), half), dot(way, half)].map((along) => along / dot(half, half));
+        // A way along the face stays on its side.
+        const ends = Math.abs(step) < 1e-12 ? (Math.abs(start) < 1 ? [0, 1] : [1, 0]) : [-1, 1].map((face) => (face - start) / step).sort((a, b) => a - b);
+        [from, to] = [Math.max(from, ends[0]), Math.min(to, ends[1])];
+      }
+      return to - from > 1e-6;
     }
 
     grid() {
