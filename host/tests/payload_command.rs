@@ -62,7 +62,7 @@ fn table_and_the_picture_are_for_people() {
         assert!(table.contains(word), "{word}:\n{table}");
     }
     let designs = fs::read_to_string(&picture).unwrap();
-    assert!(designs.starts_with("<svg ") && designs.contains(" N wanted of A<"), "{designs}");
+    assert!(designs.starts_with("<svg ") && designs.contains(" N required of A<"), "{designs}");
     let diagrams = fs::read_to_string(&polar).unwrap();
     assert!(["at rest", "reach", "force on the tip"].iter().all(|word| diagrams.contains(word)), "{diagrams}");
     let fallen = table.lines().any(|line| line.contains("no pressures balance")) || table.contains(" -");

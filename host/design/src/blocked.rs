@@ -134,7 +134,7 @@ pub fn picture(name: &str, designs: &[BlockedDesign]) -> String {
         let note = |at: [f64; 2], text: String| Note { at, text, meaning: String::new() };
         notes.extend(reached.iter().map(|at| note(*at, letter.to_string())));
         ends.extend(points.last().map(|end| note(*end, letter.to_string())));
-        notes.push(note([points[0][0], design.wanted_n], format!("{:.0} N wanted of {letter}", design.wanted_n)));
+        notes.push(note([points[0][0], design.wanted_n], format!("{:.0} N required of {letter}", design.wanted_n)));
         series.push(one(Color::Faint, Stroke::Solid, wanted.unwrap_or_default()));
         series.push(Series { label: format!("design {letter}"), ..one(color, stroke, points.clone()) });
         series.push(one(color, Stroke::Dots, reached));

@@ -34,8 +34,8 @@ pub(super) fn picture(trials: &[Trial]) -> String {
     let spread: Vec<_> = ours().filter(|trial| trial.group == Group::Spread).collect();
     let errors = |title: &str, label: &str, value: fn(&super::Figures) -> f64| sorted(&spread, title, label, value);
     let below = vec![
-        errors("trajectory, 60 plants", "RMS error, kPa", |figures| 1e-3 * figures.trajectory_pa[0]),
         errors("steps, 60 plants", "overshoot, kPa", |figures| 1e-3 * figures.overshoot_pa),
+        errors("trajectory, 60 plants", "RMS error, kPa", |figures| 1e-3 * figures.trajectory_pa[0]),
     ];
     sheet(&[vec![steps, trajectory], below], ROOM, CAPTION)
 }
@@ -102,7 +102,7 @@ fn sorted(trials: &[&Trial], title: &str, label: &str, value: fn(&super::Figures
         let points: Vec<_> = (1..).zip(values).map(|(count, value)| [value, f64::from(count)]).collect();
         Series { label: name(channel), color: Color::nth(channel), stroke: Stroke::Solid, points: steps(&points) }
     });
-    chart(title, [label, "plants with a smaller error"], series.collect())
+    chart(title, [label, "plants with at most this value"], series.collect())
 }
 
 fn chart(title: &str, labels: [&str; 2], series: Vec<Series>) -> Chart {

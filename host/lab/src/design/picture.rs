@@ -11,7 +11,7 @@ const ROOM: f64 = 400.0;
 const FLOORS: [f64; 2] = [1e-16, 1e-12];
 
 const CAPTION: &str = "Least objective so far, a line for each problem; a dot ends it. Values below 1e-16 (1e-12 if relative to the least) are \
-                       rounding, and are drawn there.";
+                       rounding, and are drawn there. There is no kind E.";
 
 /// The picture as a document that stands by itself.
 pub fn picture(comparison: &Comparison) -> String {

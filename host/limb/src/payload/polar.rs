@@ -89,7 +89,7 @@ pub fn polar_picture(title: &str, poses: &[Polar]) -> String {
         caption += " A gap: the walls alone hold any force.";
     }
     if planes().any(|loads_n| alone(loads_n).contains(&true)) {
-        caption += " A dot: the pressures hold a force in this direction alone.";
+        caption += " A dot: of the directions of its plane, the pressures hold a force in this one alone.";
     }
     sheet(&rows, ROOM, &caption)
 }

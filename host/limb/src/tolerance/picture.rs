@@ -31,7 +31,7 @@ pub fn picture(title: &str, study: &Study<'_>, samples: &[Sample]) -> String {
     let Tolerances { wall_m, angle_rad, modulus } = study.settings.tolerances;
     let caption = format!(
         "{title}: tips of {} limbs with walls within {} mm, fiber angles within {} deg and moduli within {} % of the nominal ones. \
-         Above: a dot for a limb, at most {DOTS} for each pose, and ellipses of two standard deviations. Below: displacements of all.",
+         Above: a dot for a limb, at most {DOTS} for each pose, and ellipses of two standard deviations. Below: displacements of all, by the model and by its sensitivities (linear).",
         samples.len(),
         rounded(1e3 * wall_m),
         rounded(angle_rad.to_degrees()),

@@ -109,11 +109,11 @@ pub fn range_picture(name: &str, test: &Tension, fit: Option<&RangeFit>) -> Stri
     }
     curves.push(Series { label: "measured".into(), color: Color::Ink, stroke: Stroke::Dots, points: measured });
     if !outside.is_empty() {
-        let label = "outside its range".into();
+        let label = "measured, outside the range of the fit".into();
         curves.push(Series { label, color: Color::Ink, stroke: Stroke::Rings, points: outside });
     }
     let charts = vec![chart(format!("{name}: nominal stress"), "stretch", "nominal stress, kPa", curves)];
-    sheet(&[charts], ROOM, &format!("Tensile test of {name}, and the law that describes it"))
+    sheet(&[charts], ROOM, &format!("Tensile test of {name}, and the law fitted to it"))
 }
 
 fn chart(title: String, x: &str, y: &str, series: Vec<Series>) -> Chart {

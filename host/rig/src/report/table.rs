@@ -118,7 +118,7 @@ fn module_cells(value: &str, rows: &[ModuleRow]) -> Vec<Vec<String>> {
 }
 
 fn error_cells(rows: &[ErrorRow]) -> Vec<Vec<String>> {
-    let mut cells = vec![["error over the run", "RMSE", "max"].map(str::to_owned).to_vec()];
+    let mut cells = vec![["error until venting", "RMSE", "max"].map(str::to_owned).to_vec()];
     cells.extend(rows.iter().map(|row| vec![row.name.to_owned(), row.rmse.clone(), row.max.clone()]));
     cells
 }

@@ -423,7 +423,7 @@ fn pressure(summary: &Summary) -> Option<Card> {
         Some(chamber) => (
             kpa(chamber.rmse),
             format!(
-                "RMSE of all chambers from their references; largest {}. Sensors beside open valves: {}, largest {}",
+                "RMSE of all chambers from their references until venting; largest {}. Of their sensors, which flowing air disturbs: {}, largest {}",
                 kpa(chamber.max),
                 kpa(sensor.rmse),
                 kpa(sensor.max)

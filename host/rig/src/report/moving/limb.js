@@ -111,9 +111,8 @@ const LimbView = (() => {
       const seen = (one) => {
         const box = one.shape && one.shape.box;
         if (!box) return { name: one.name, at: middle(one) };
-        const places = one.region ? [box.center_m] : this.places(box);
-        const clear = places.find((at) => !solids.some((other) => other !== one && !other.region && this.hides(other, at)));
-        return { name: one.name, at: clear || box.center_m, hidden: !clear && !one.region };
+        const clear = this.places(box).find((at) => !solids.some((other) => other !== one && !other.region && this.hides(other, at)));
+        return { name: one.name, at: clear || box.center_m, hidden: !clear };
       };
       const middle = ({ shape, lines_m }) => {
         if (shape && shape.sphere) return shape.sphere.center_m;
@@ -168,13 +167,21 @@ const LimbView = (() => {
       return signs.map((sign) => sign.reduce((at, one, axis) => add(at, half_axes_m[axis], 0.9 * one), center_m));
     }
 
-    // Whether a box stands between a place and the eye.
+    // Whether a solid stands between a place and the eye.
     hides({ shape }, at) {
-      if (!shape || !shape.box) return false;
-      const { center_m, half_axes_m } = shape.box;
+      if (!shape) return false;
       const [ca, sa, ce, se] = [Math.cos(this.azimuth), Math.sin(this.azimuth), Math.cos(this.elevation), Math.sin(this.elevation)];
       const way = sub(add(this.middle, [ca * ce, sa * ce, se], this.distance), at);
       const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+      if (!shape.box) {
+        const { from_m, to_m, radius_m } = shape.capsule || { from_m: shape.sphere.center_m, to_m: shape.sphere.center_m, ...shape.sphere };
+        const count = Math.min(64, Math.ceil(norm(sub(to_m, from_m)) / radius_m));
+        return Array.from({ length: count + 1 }, (_, i) => sub(add(from_m, sub(to_m, from_m), i / (count || 1)), at)).some((ball) => {
+          const along = dot(ball, way) / dot(way, way);
+          return along > 0 && norm(add(ball, way, -along)) < radius_m;
+        });
+      }
+      const { center_m, half_axes_m } = shape.box;
       let [from, to] = [0, 1];
       for (const half of half_axes_m) {
         const [start, step] = [dot(sub(at, center_m), half), dot(way, half)].map((along) => along / dot(half, half));
@@ -337,13 +344,17 @@ const LimbView = (() => {
     box({ center_m, half_axes_m }, color, region) {
       for (let axis = 0; axis < 3; axis++) {
         const [u, v] = [half_axes_m[(axis + 1) % 3], half_axes_m[(axis + 2) % 3]];
+        if (region) {
+          // Each edge once: dashes over dashes fill their gaps.
+          for (const a of [-1, 1]) for (const b of [-1, 1]) {
+            const end = (side) => add(add(add(center_m, half_axes_m[axis], side), u, a), v, b);
+            this.line([end(-1), end(1)], rgb(color), 1.25, [4, 3]);
+          }
+          continue;
+        }
         for (const side of [-1, 1]) {
           const middle = add(center_m, half_axes_m[axis], side);
           const corner = (a, b) => add(add(middle, u, a), v, b);
-          if (region) {
-            this.line([corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1), corner(-1, -1)], rgb(color), 1.25, [4, 3]);
-            continue;
-          }
           const shade = Math.abs(unit(half_axes_m[axis])[2]) > 0.7 ? mix(color, [255, 255, 255], side > 0 ? 0.3 : 0) : mix(color, [0, 0, 0], axis === 0 ? 0.12 : 0.24);
           const [n, m] = [u, v].map((edge) => Math.max(1, Math.min(8, Math.round(norm(edge) * 2 / (this.extent * 0.06)))));
           for (let i = 0; i < n; i++) for (let j = 0; j < m; j++) {
