@@ -166,7 +166,7 @@ impl<const N: usize> Form<N> {
     fn add(&mut self, a: &Row<N>, b: &Row<N>) {
         // Arrays of a known size take whole registers; nalgebra's own update goes entry by entry.
         let (rows, columns): (&[f64; N], &[f64; N]) = (&a.data.0[0], &b.data.0[0]);
-        // Half of the unknowns move a radius along one direction only.
+        // Many entries of a row are zero.
         for (column, by) in self.0.data.0.iter_mut().zip(columns).filter(|(_, by)| **by != 0.0) {
             column.iter_mut().zip(rows).for_each(|(entry, row)| *entry += by * row);
         }
