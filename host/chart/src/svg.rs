@@ -498,6 +498,27 @@ mod tests {
         lines.map(|line| names.map(|name| value(line, name))).collect()
     }
 
+    #[test]
+    fn dots_of_a_cloud_are_small() {
+        let axis = |label: &str| Axis { label: label.into(), range: [0.0, 1.0], ticks: Ticks::Round };
+        let radii = |count: usize| {
+            let points = (0..count).map(|index| [index as f64 / count as f64, 0.5]).collect();
+            let chart = Chart {
+                title: String::new(),
+                area: [200.0, 200.0],
+                x: axis("x"),
+                y: axis("y"),
+                series: vec![Series { label: String::new(), color: crate::Color::First, stroke: Stroke::Dots, points }],
+                bands: Vec::new(),
+                marks: Vec::new(),
+                notes: Vec::new(),
+            };
+            elements(&chart.svg(), "dots", ["r", "cy"]).iter().map(|[r, _]| *r).collect::<Vec<_>>()
+        };
+        assert_eq!(radii(100), vec![2.8; 100]);
+        assert_eq!(radii(101), vec![1.5; 101]);
+    }
+
     /// A column of rings 13 px apart, each with a name.
     #[test]
     fn notes_cover_neither_marks_nor_each_other() {

@@ -8,7 +8,7 @@
 /// Representation identifier: plain CDR, little-endian, no options.
 const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
-/// Room for a message at its start, bytes: most are smaller.
+/// Room that a message has from its start, bytes: a small one is allocated once.
 const MESSAGE: usize = 1 << 10;
 
 /// Why a message does not decode.

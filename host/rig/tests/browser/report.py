@@ -113,6 +113,9 @@ class Reader:
         names = [one["name"] for one in space["solids"] + space["carried"]]
         shown = self.page.evaluate("window.report.view.named")
         self.expect(set(names) <= {one["name"] for one in shown}, f"names in space: {shown}, of {names}")
+        # The walls of the box hide its bottom, and show an edge each.
+        hidden = [one["name"] for one in shown if one.get("hidden")]
+        self.expect(hidden == [name for name in names if name == "box-bottom"], f"names with a ring: {hidden}")
         for index, one in enumerate(shown):
             over = [other["name"] for other in shown[:index] if abs(one["x"] - other["x"]) < one["half"] + other["half"] and abs(one["y"] - other["y"]) < 12]
             self.expect(not over, f"the name {one['name']} lies over {over}")

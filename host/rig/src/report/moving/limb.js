@@ -5,6 +5,7 @@ const LimbView = (() => {
   const add = (a, b, s = 1) => [a[0] + b[0] * s, a[1] + b[1] * s, a[2] + b[2] * s];
   const norm = (a) => Math.hypot(a[0], a[1], a[2]);
   const unit = (a) => { const n = norm(a) || 1; return [a[0] / n, a[1] / n, a[2] / n]; };
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   const finite = (p) => p && p.every(Number.isFinite);
   const mix = (a, b, s) => [0, 1, 2].map((i) => Math.round(a[i] + (b[i] - a[i]) * s));
@@ -61,6 +62,12 @@ const LimbView = (() => {
       this.onChange();
     }
 
+    // Unit vector to the eye.
+    toward() {
+      const [ca, sa, ce, se] = [Math.cos(this.azimuth), Math.sin(this.azimuth), Math.cos(this.elevation), Math.sin(this.elevation)];
+      return [ca * ce, sa * ce, se];
+    }
+
     project(p) {
       const [x, y, z] = sub(p, this.middle);
       const [ca, sa, ce, se] = [Math.cos(this.azimuth), Math.sin(this.azimuth), Math.cos(this.elevation), Math.sin(this.elevation)];
@@ -105,8 +112,8 @@ const LimbView = (() => {
       this.axes();
     }
 
-    // Names of solids and carried objects in a column beside the solids, in the order of their heights, each with a line to a place of it that is seen.
-    // A ring ends the line where others hide all of it.
+    // Names of solids and carried objects in a column beside the solids, in the order of their heights, each with a line to a place of the solid
+    // that is seen. A ring ends the line where others hide all of it.
     names(solids, carried, targets) {
       const seen = (one) => {
         const box = one.shape && one.shape.box;
@@ -155,11 +162,11 @@ const LimbView = (() => {
         Object.assign(g, { textAlign: "center", lineWidth: 3, strokeStyle: rgb(this.colors.page, 0.8), fillStyle: rgb(this.colors.ink) });
         g.strokeText(name, at, heights[i]);
         g.fillText(name, at, heights[i]);
-        this.named.push({ name, x: at, y: heights[i], half: width });
+        this.named.push({ name, hidden, x: at, y: heights[i], half: width });
       });
     }
 
-    // The middle of a box, then those of its faces and edges, which are seen more often.
+    // The middle of a box, then those of its faces and edges, and its corners: outer ones are seen more often.
     places({ center_m, half_axes_m }) {
       const signs = [-1, 0, 1].flatMap((a) => [-1, 0, 1].flatMap((b) => [-1, 0, 1].map((c) => [a, b, c])));
       const order = (sign) => sign.reduce((sum, one) => sum + Math.abs(one), 0);
@@ -170,13 +177,11 @@ const LimbView = (() => {
     // Whether a solid stands between a place and the eye.
     hides({ shape }, at) {
       if (!shape) return false;
-      const [ca, sa, ce, se] = [Math.cos(this.azimuth), Math.sin(this.azimuth), Math.cos(this.elevation), Math.sin(this.elevation)];
-      const way = sub(add(this.middle, [ca * ce, sa * ce, se], this.distance), at);
-      const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+      const way = sub(add(this.middle, this.toward(), this.distance), at);
       if (!shape.box) {
         const { from_m, to_m, radius_m } = shape.capsule || { from_m: shape.sphere.center_m, to_m: shape.sphere.center_m, ...shape.sphere };
-        const count = Math.min(64, Math.ceil(norm(sub(to_m, from_m)) / radius_m));
-        return Array.from({ length: count + 1 }, (_, i) => sub(add(from_m, sub(to_m, from_m), i / (count || 1)), at)).some((ball) => {
+        const balls = Math.min(64, Math.ceil(norm(sub(to_m, from_m)) / radius_m) + 1);
+        return Array.from({ length: balls }, (_, i) => sub(add(from_m, sub(to_m, from_m), i / Math.max(balls - 1, 1)), at)).some((ball) => {
           const along = dot(ball, way) / dot(way, way);
           return along > 0 && norm(add(ball, way, -along)) < radius_m;
         });
@@ -275,9 +280,9 @@ const LimbView = (() => {
     // A flat end: a circle seen at its angle.
     cap(points, index, [x, y, depth], [nx, ny], r, color) {
       const along = unit(sub(points[Math.max(1, index)], points[Math.max(1, index) - 1]));
-      const [ca, sa, ce, se] = [Math.cos(this.azimuth), Math.sin(this.azimuth), Math.cos(this.elevation), Math.sin(this.elevation)];
-      const open = Math.abs(-(ca * along[0] + sa * along[1]) * ce - along[2] * se);
-      const faces = (index ? 1 : -1) * (-(ca * along[0] + sa * along[1]) * ce - along[2] * se) < 0;
+      const toward = dot(along, this.toward());
+      const open = Math.abs(toward);
+      const faces = (index ? toward : -toward) > 0;
       this.patches.push({ depth: depth + (faces ? -1e-3 : 1e-3), draw: () => {
         const g = this.g;
         g.beginPath();
