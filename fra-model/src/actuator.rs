@@ -261,6 +261,14 @@ impl<T: Real> Actuator<T> {
         }
     }
 
+    /// The bender of a bending actuator.
+    pub(crate) fn bender(&self) -> Option<&Bender<T>> {
+        match &self.body {
+            Body::Straight(_) => None,
+            Body::Bending(bender) => Some(bender),
+        }
+    }
+
     /// [`Actuator::new`]; this and the following are called by [`Precision`] alone.
     pub(crate) fn prepare(parameters: &ActuatorParameters<T>) -> Result<Self, InvalidParameter<T>> {
         parameters.check()?;
@@ -414,7 +422,7 @@ fn field_of_second(field: &'static str) -> &'static str {
 }
 
 /// The one solution of a bend, if its pressure lies in the range.
-fn within<T: Real>(range: &PressureRange<T>, solution: Solution<T>) -> Solution<T> {
+pub(crate) fn within<T: Real>(range: &PressureRange<T>, solution: Solution<T>) -> Solution<T> {
     let outside = solution.status == Status::Solved && !range.contains(solution.state.pressure_pa);
     if outside { Solution { status: Status::NoSolution, ..solution } } else { solution }
 }

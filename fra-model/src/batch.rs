@@ -3,11 +3,12 @@
 use core::array;
 use core::ops::Range;
 
-use crate::actuator::Actuator;
+use crate::actuator::{Actuator, within};
 use crate::number::real::Real;
 use crate::parameters::InvalidParameter;
 use crate::precision::Precision;
-use crate::solution::{Load, Solution, State, Status};
+use crate::solution::{Load, PressureRange, Solution, State, Status, Target};
+use crate::solve::bend::{Bender, MANY, bend_many, meet_many};
 use crate::solve::closed_form::{ClosedForm, Column, Columns, LANES, Lanes};
 use crate::solve::size::Size;
 use crate::solve::tube::Tube;
@@ -130,7 +131,8 @@ impl<T: Real> Answers<T> {
 ///
 /// `groups` are [`Prepared`] from the actuators, [`Lanes::COUNT`] at a time. They are solved side by side by the vector arithmetic that
 /// `token` is a value of. Most take one correction, and are not kept waiting by their neighbours: those that take more are collected
-/// from several groups and solved side by side as well, and what is then left, one by one.
+/// from several groups and solved side by side as well, and what is then left, one by one. Of bending actuators with a hoop winding, the
+/// integrals are taken side by side.
 ///
 /// # Errors
 /// [`InvalidParameter`] of a pressure that is not finite; the solutions are then of no use.
@@ -143,11 +145,12 @@ pub fn forward_prepared<T: Precision, V: Lanes<T>>(
     solutions: &mut [Solution<T>],
 ) -> Result<(), InvalidParameter<T>> {
     let count = actuators.len().min(pressures_pa.len()).min(solutions.len());
-    let mut batch = Batch { actuators, pressures_pa, waiting: None, numbers: [0; LANES], count: 0 };
+    let mut batch = Batch { actuators, pressures_pa, waiting: None, numbers: [0; LANES], count: 0, bends: false };
     for (group, from) in groups.iter().zip((0..count).step_by(V::COUNT)) {
         batch.solve(token, group, from..count.min(from + V::COUNT), solutions)?;
     }
-    batch.finish(token, solutions)
+    batch.finish(token, solutions)?;
+    batch.meet(token, solutions)
 }
 
 /// [`forward_prepared`] of actuators that are laid out on the way.
@@ -162,14 +165,88 @@ pub fn forward_many<T: Precision, V: Lanes<T>>(
     solutions: &mut [Solution<T>],
 ) -> Result<(), InvalidParameter<T>> {
     let count = actuators.len().min(pressures_pa.len()).min(solutions.len());
-    let mut batch = Batch { actuators, pressures_pa, waiting: None, numbers: [0; LANES], count: 0 };
+    let mut batch = Batch { actuators, pressures_pa, waiting: None, numbers: [0; LANES], count: 0, bends: false };
     let mut group = Prepared { tubes: None };
     for from in (0..count).step_by(V::COUNT) {
         let range = from..count.min(from + V::COUNT);
         group.lay_out(&actuators[range.clone()]);
         batch.solve(token, &group, range, solutions)?;
     }
-    batch.finish(token, solutions)
+    batch.finish(token, solutions)?;
+    batch.meet(token, solutions)
+}
+
+/// The gauge pressures in a range at which actuators reach a target each, without external load: [`Actuator::inverse_within`] of each. Solves as
+/// many as the shortest slice has.
+///
+/// The integrals of bending actuators with a hoop winding are taken side by side by the vector arithmetic that `token` is a value of.
+///
+/// # Errors
+/// As [`Actuator::inverse_within`]; the solutions are then of no use.
+#[inline(always)]
+pub fn inverse_many<T: Precision, V: Lanes<T>>(
+    token: V,
+    actuators: &[Actuator<T>],
+    targets: &[Target<T>],
+    range: &PressureRange<T>,
+    solutions: &mut [Solution<T>],
+) -> Result<(), InvalidParameter<T>> {
+    range.check()?;
+    let of = |actuator: &Actuator<T>, target: Target<T>| actuator.bender().and_then(|bender| bender.bend_of(target));
+    let one = |actuator: &Actuator<T>, target| actuator.inverse_within(range, target, &Load::none());
+    let rows = || actuators.iter().zip(targets);
+    for ((actuator, target), solution) in rows().zip(&mut *solutions) {
+        if of(actuator, *target).is_none() {
+            *solution = one(actuator, *target)?;
+        }
+    }
+    let mut bends = rows()
+        .enumerate()
+        .filter_map(|(i, (actuator, target))| Some((i, (actuator.bender()?, of(actuator, *target)?))));
+    while let Some(several) = Several::next(&mut bends, solutions.len()) {
+        let mut left = [false; MANY];
+        bend_many(token, several.bends(), |i, bent| match several.bends[i].0.bent_to(bent) {
+            Some(solution) => solutions[several.numbers[i]] = within(range, solution).sound(),
+            None => left[i] = true,
+        });
+        for number in several.marked(&left) {
+            solutions[number] = one(&actuators[number], targets[number])?;
+        }
+    }
+    Ok(())
+}
+
+/// Benders that are solved together, each with a moment or a bend.
+struct Several<'a, T: Real> {
+    /// Their indices among the actuators.
+    numbers: [usize; MANY],
+    bends: [(&'a Bender<T>, T); MANY],
+    count: usize,
+}
+
+impl<'a, T: Real> Several<'a, T> {
+    /// The next ones of a sequence, with an index below `end`.
+    fn next(bends: &mut impl Iterator<Item = (usize, (&'a Bender<T>, T))>, end: usize) -> Option<Self> {
+        let mut next = || bends.next().filter(|(number, _)| *number < end);
+        let (number, bend) = next()?;
+        let mut several = Self { numbers: [number; MANY], bends: [bend; MANY], count: 1 };
+        while several.count < MANY
+            && let Some((number, bend)) = next()
+        {
+            (several.numbers[several.count], several.bends[several.count]) = (number, bend);
+            several.count += 1;
+        }
+        Some(several)
+    }
+
+    fn bends(&self) -> &[(&'a Bender<T>, T)] {
+        &self.bends[..self.count]
+    }
+
+    /// Indices of those that are marked.
+    fn marked(&self, marks: &[bool; MANY]) -> impl Iterator<Item = usize> {
+        self.numbers.into_iter().zip(*marks).filter_map(|(number, is_marked)| is_marked.then_some(number))
+    }
 }
 
 /// A batch, and those of it that wait to be solved side by side because they take more than one correction.
@@ -180,6 +257,8 @@ struct Batch<'a, T: Real> {
     /// Their indices, and their number.
     numbers: [usize; LANES],
     count: usize,
+    /// Whether there are bends that are left to the end.
+    bends: bool,
 }
 
 impl<T: Precision> Batch<'_, T> {
@@ -257,9 +336,47 @@ impl<T: Precision> Batch<'_, T> {
         Ok(())
     }
 
+    /// The bends, once the rest is solved.
+    #[inline(always)]
+    fn meet<V: Lanes<T>>(&mut self, token: V, solutions: &mut [Solution<T>]) -> Result<(), InvalidParameter<T>> {
+        if !self.bends {
+            return Ok(());
+        }
+        let Self { actuators, pressures_pa, .. } = *self;
+        let mut bends = (0..actuators.len().min(pressures_pa.len())).filter_map(|i| Some((i, self.bend(i)?)));
+        while let Some(several) = Several::next(&mut bends, solutions.len()) {
+            let mut left = [false; MANY];
+            meet_many(token, several.bends(), |i, met, integrals| {
+                let number = several.numbers[i];
+                match met {
+                    Some(met) => {
+                        let pressure_pa = pressures_pa[number];
+                        let solution = several.bends[i].0.pressed(&met, pressure_pa, &Load::none(), integrals);
+                        solutions[number] = solution.sound();
+                    }
+                    None => left[i] = true,
+                }
+            });
+            for number in several.marked(&left) {
+                solutions[number] = actuators[number].forward(pressures_pa[number], &Load::none())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The bender of an actuator and the moment of its pressure, if that is met side by side with others.
+    fn bend(&self, i: usize) -> Option<(&Bender<T>, T)> {
+        let bender = self.actuators[i].bender()?;
+        Some((bender, bender.moment_at(self.pressures_pa[i])?))
+    }
+
     #[cold]
     #[inline(never)]
-    fn one(&self, i: usize, solutions: &mut [Solution<T>]) -> Result<(), InvalidParameter<T>> {
+    fn one(&mut self, i: usize, solutions: &mut [Solution<T>]) -> Result<(), InvalidParameter<T>> {
+        if self.bend(i).is_some() {
+            self.bends = true;
+            return Ok(());
+        }
         solutions[i] = self.actuators[i].forward(self.pressures_pa[i], &Load::none())?;
         Ok(())
     }

@@ -48,7 +48,7 @@ mod tracker;
 
 pub use actuator::Actuator;
 pub use allocation::{Allocated, Allocation, AllocationStatus};
-pub use batch::{Prepared, forward_many, forward_prepared};
+pub use batch::{Prepared, forward_many, forward_prepared, inverse_many};
 pub use model::arrangement::Arrangement;
 pub use model::limb::{Link, Segment, tip_pose};
 pub use number::real::Real;

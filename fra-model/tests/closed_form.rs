@@ -311,6 +311,12 @@ impl Arithmetic for Single {
     fn of(self, value: f64) -> Self {
         Self(value)
     }
+    fn is_single(self) -> bool {
+        false
+    }
+    fn is_at_most(self, other: Self) -> bool {
+        self.0 <= other.0
+    }
     fn atanh_over(self, s2: Self) -> Self {
         atanh_series(s2)
     }

@@ -4,7 +4,6 @@ use fra_model::{Actuator, PressureRange, Solution};
 use numpy::{IntoPyArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use softlimb::query::Question;
 
 use super::answers::{Arrays, in_order};
 use super::arguments::{Loads, choice, parameter, target, values};
@@ -79,8 +78,8 @@ impl Actuators {
         let table = py.detach(|| {
             range.check().map_err(|error| Refusal::new(0, error))?;
             loads.check()?;
-            let query = |i: usize| Question::Inverse { target: target(targets[i]) };
-            self.built.solve(targets.len(), choice, &loads, range, query)
+            let targets: Vec<_> = targets.iter().map(|value| target(*value)).collect();
+            self.built.inverse(&targets, choice, &loads, range)
         })?;
         Ok(table.into_arrays(py))
     }

@@ -1,18 +1,19 @@
 //! The actuators themselves, and the ways to solve them.
 
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use fra_model::{Actuator, InvalidParameter, LANES, Motion, PressureRange, Solution, State, Status, Target};
+use fra_model::{Actuator, InvalidParameter, LANES, PressureRange, Solution, State, Status, Target};
 use softlimb::query::Question;
 use softlimb_limb::batch::ActuatorBatch;
 
-use super::answers::{FEW, Table, in_order};
+use super::answers::{FEW, Table, in_order, processors};
 use super::arguments::Loads;
 use super::columns::Columns;
 use super::refused::Refusal;
-use super::solve::{Answer, CODES, Choice, NUMBERS, Query};
+use super::solve::{CODES, Choice, NUMBERS, Query};
 
-/// Answers that a processor takes at a time where a register holds several.
+/// Most answers that a processor takes at a time where a register holds several.
 const PART: usize = 512;
 /// Fewest answers that are worth the layout for vectors.
 const VECTORS_FROM: usize = 64;
@@ -33,7 +34,7 @@ impl AsRef<[Actuator<f64>]> for Shared {
 /// Actuators with the same number of windings.
 pub(crate) enum Body {
     /// One winding or none.
-    One { actuators: Shared, in_vectors: bool, laid_out: OnceLock<ActuatorBatch<Shared>> },
+    One { actuators: Shared, laid_out: OnceLock<ActuatorBatch<Shared>> },
     /// Straight tubes with two windings.
     Two(Vec<Actuator<f64>>),
 }
@@ -60,8 +61,7 @@ impl Body {
             return Ok(Self::Two(tubes?));
         }
         let actuators = in_order(columns.rows(), |row| Actuator::new(&columns.parameters(row)).map_err(refused(row)))?;
-        let in_vectors = actuators.iter().all(|actuator| actuator.parameters().motion != Motion::Bending);
-        Ok(Self::One { actuators: Shared(Arc::new(actuators)), in_vectors, laid_out: OnceLock::new() })
+        Ok(Self::One { actuators: Shared(Arc::new(actuators)), laid_out: OnceLock::new() })
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -83,31 +83,84 @@ impl Built {
     /// # Errors
     /// A value that the model refuses.
     pub(crate) fn forward(&self, pressures: &[f64], choice: Choice, loads: &Loads) -> Result<Answers, Refusal> {
-        let is_plain = loads.are_none() && choice != Choice::SectionFe && pressures.len() >= VECTORS_FROM;
+        let rows = Rows { count: pressures.len(), choice, loads, range: PressureRange::physical() };
+        let question = |i: usize| Question::Forward { pressure_pa: pressures[i] };
+        self.solve(&rows, question, |batch, from, several, solutions| {
+            batch.forward_from(from, &pressures[several], solutions)
+        })
+    }
+
+    /// Gauge pressures in a range that reach targets.
+    ///
+    /// # Errors
+    /// A value that the model refuses.
+    pub(crate) fn inverse(
+        &self,
+        targets: &[Target<f64>],
+        choice: Choice,
+        loads: &Loads,
+        range: PressureRange<f64>,
+    ) -> Result<Answers, Refusal> {
+        let rows = Rows { count: targets.len(), choice, loads, range };
+        let question = |i: usize| Question::Inverse { target: targets[i] };
+        self.solve(&rows, question, |batch, from, several, solutions| {
+            batch.inverse_from(from, &targets[several], &range, solutions)
+        })
+    }
+
+    /// Queries without load several to a register, others one by one.
+    fn solve(
+        &self,
+        rows: &Rows<'_>,
+        question: impl Fn(usize) -> Question<Target<f64>> + Sync,
+        solve: impl Fn(
+            &ActuatorBatch<Shared>,
+            usize,
+            Range<usize>,
+            &mut [Solution<f64>],
+        ) -> Result<(), InvalidParameter<f64>>
+        + Sync,
+    ) -> Result<Answers, Refusal> {
+        let is_plain = rows.loads.are_none() && rows.choice != Choice::SectionFe && rows.count >= VECTORS_FROM;
         match &self.body {
-            Body::One { actuators, in_vectors: true, laid_out } if is_plain => {
-                self.forward_in_vectors(laid_out.get_or_init(|| laid_out_once(actuators)), pressures)
+            Body::One { actuators, laid_out } if is_plain => {
+                self.solve_in_vectors(laid_out.get_or_init(|| laid_out_once(actuators)), rows, question, solve)
             }
-            _ => {
-                let query = |i: usize| Question::Forward { pressure_pa: pressures[i] };
-                self.solve(pressures.len(), choice, loads, PressureRange::physical(), query)
-            }
+            _ => self.solve_one_by_one(rows, question),
         }
     }
 
-    /// Straight tubes without load, several to a register.
-    fn forward_in_vectors(&self, batch: &ActuatorBatch<Shared>, pressures: &[f64]) -> Result<Answers, Refusal> {
+    fn solve_in_vectors(
+        &self,
+        batch: &ActuatorBatch<Shared>,
+        rows: &Rows<'_>,
+        question: impl Fn(usize) -> Question<Target<f64>> + Sync,
+        solve: impl Fn(
+            &ActuatorBatch<Shared>,
+            usize,
+            Range<usize>,
+            &mut [Solution<f64>],
+        ) -> Result<(), InvalidParameter<f64>>
+        + Sync,
+    ) -> Result<Answers, Refusal> {
         let group = batch.actuators().len();
-        let part = PART.next_multiple_of(batch.lanes());
-        Table::filled(pressures.len(), group, part, |piece| {
+        // A processor that is done early finds another part.
+        let part = (rows.count / (4 * processors())).clamp(FEW, PART).next_multiple_of(batch.lanes());
+        Table::filled(rows.count, group, part, |piece| {
             let mut solutions = [blank(); PART + LANES];
-            let (from, rows) = (piece.from, piece.rows());
-            let solved = batch.forward_from(from % group, &pressures[from..from + rows], &mut solutions[..rows]);
-            solved.map_err(|error| Refusal::new(from, error))?;
+            let (from, count) = (piece.from, piece.rows());
+            let solved = solve(batch, from % group, from..from + count, &mut solutions[..count]);
+            if let Err(error) = solved {
+                // The batch tells what it refuses, but not where.
+                let one = |i: usize| rows.query(i, question(i)).of(&batch.actuators()[i % group], rows.choice);
+                let mut refused = (from..from + count).filter_map(|i| Some(Refusal::of_section(i, one(i).err()?)));
+                return Err(refused.next().unwrap_or_else(|| Refusal::new(from, error)));
+            }
             let actuators = batch.actuators()[from % group..].iter();
-            for (row, (solution, actuator)) in solutions[..rows].iter().zip(actuators).enumerate() {
-                let answer = Answer::analytic(solution, Some(0.0));
-                answer.write(piece, row, actuator.parameters(), self.stretch_max(from + row));
+            for (row, (solution, actuator)) in solutions[..count].iter().zip(actuators).enumerate() {
+                let i = from + row;
+                let answer = rows.query(i, question(i)).chosen(actuator, solution, rows.choice);
+                answer.write(piece, row, actuator.parameters(), self.stretch_max(i));
             }
             Ok(())
         })
@@ -117,31 +170,38 @@ impl Built {
         self.stretch_max.as_ref().map(|column| column[row % column.len()])
     }
 
-    /// Any queries, one by one.
-    ///
-    /// # Errors
-    /// A value that the model refuses.
-    pub(crate) fn solve(
+    fn solve_one_by_one(
         &self,
-        rows: usize,
-        choice: Choice,
-        loads: &Loads,
-        range: PressureRange<f64>,
+        rows: &Rows<'_>,
         question: impl Fn(usize) -> Question<Target<f64>> + Sync,
     ) -> Result<Answers, Refusal> {
         // Finite elements take a processor as long as thousands of analytic answers.
-        let part = if choice == Choice::SectionFe { 1 } else { FEW };
+        let part = if rows.choice == Choice::SectionFe { 1 } else { FEW };
         let actuators = self.body.actuators();
-        Table::filled(rows, rows, part, |piece| {
+        Table::filled(rows.count, rows.count, part, |piece| {
             for row in 0..piece.rows() {
                 let i = piece.from + row;
-                let query = Query { question: question(i), range, load: loads.at(i) };
                 let actuator = &actuators[i % actuators.len()];
-                let answer = query.of(actuator, choice).map_err(|error| Refusal::of_section(i, error))?;
+                let answer = rows.query(i, question(i)).of(actuator, rows.choice);
+                let answer = answer.map_err(|error| Refusal::of_section(i, error))?;
                 answer.write(piece, row, actuator.parameters(), self.stretch_max(i));
             }
             Ok(())
         })
+    }
+}
+
+/// Queries but for their questions.
+struct Rows<'a> {
+    count: usize,
+    choice: Choice,
+    loads: &'a Loads,
+    range: PressureRange<f64>,
+}
+
+impl Rows<'_> {
+    fn query(&self, i: usize, question: Question<Target<f64>>) -> Query {
+        Query { question, range: self.range, load: self.loads.at(i) }
     }
 }
 

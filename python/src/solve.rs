@@ -128,30 +128,39 @@ impl Query {
         }
     }
 
+    fn by_section(&self, actuator: &Actuator<f64>) -> Result<Answer, SectionError> {
+        let Self { question, range, load } = *self;
+        let (parameters, second_fiber) = (actuator.parameters(), actuator.second_fiber());
+        let answer = solve_section(&SectionQuery { parameters, second_fiber, question, range, load })?;
+        Ok(Answer::of_section(&answer, parameters.motion, &actuator.rest()))
+    }
+
     /// The answer of the chosen model.
     pub(crate) fn of(&self, actuator: &Actuator<f64>, choice: Choice) -> Result<Answer, SectionError> {
-        let parameters = actuator.parameters();
-        let by_section = || {
-            let Self { question, range, load } = *self;
-            let second_fiber = actuator.second_fiber();
-            let answer = solve_section(&SectionQuery { parameters, second_fiber, question, range, load })?;
-            Ok(Answer::of_section(&answer, parameters.motion, &actuator.rest()))
-        };
         if choice == Choice::SectionFe {
-            return by_section();
+            return self.by_section(actuator);
         }
-        let solution = self.analytic(actuator)?;
+        Ok(self.chosen(actuator, &self.analytic(actuator)?, choice))
+    }
+
+    /// The answer of the analytic model with its error, or that of finite elements where this is too large.
+    #[inline]
+    pub(crate) fn chosen(&self, actuator: &Actuator<f64>, solution: &Solution<f64>, choice: Choice) -> Answer {
+        let parameters = actuator.parameters();
+        if parameters.motion != Motion::Bending {
+            return Answer::analytic(solution, Some(0.0));
+        }
         let is_solved = solution.status == Status::Solved;
         let error = is_solved.then(|| analytic_bend_error(parameters, &solution.state)).flatten();
         // The estimate holds without a load.
-        let stated = if parameters.motion == Motion::Bending { error.filter(|_| self.is_free()) } else { Some(0.0) };
-        let analytic = Answer::analytic(&solution, stated);
+        let stated = error.filter(|_| self.is_free());
+        let analytic = Answer::analytic(solution, stated);
         match choice {
             Choice::Auto(tolerance) if is_wound_bender(parameters) && stated.is_none_or(|error| error > tolerance) => {
                 // Vacuum and more than 100 shear moduli are outside the finite elements' range.
-                Ok(by_section().unwrap_or(analytic))
+                self.by_section(actuator).unwrap_or(analytic)
             }
-            _ => Ok(analytic),
+            _ => analytic,
         }
     }
 

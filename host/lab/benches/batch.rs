@@ -5,12 +5,15 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement};
+use fra_model::{
+    Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, PressureRange, Target,
+};
 use softlimb::batch;
 use softlimb::batch::ActuatorBatch;
 
 /// Runs of which the fastest counts.
-const RUNS: u32 = 200;
+const RUNS: u32 = 40;
+const LENGTH_M: f64 = 0.1;
 /// Actuators at once: the number that suits the caches best counts, as it does for the solvers this is compared with.
 const PIECES: [usize; 3] = [4096, 8192, 16384];
 
@@ -24,9 +27,21 @@ fn actuator(columns: &[f64], families: Families) -> Actuator<f64> {
         motion: Motion::Extension,
         inner_radius_m,
         outer_radius_m,
-        length_m: 0.1,
+        length_m: LENGTH_M,
         material: Material::NeoHookean { shear_modulus_pa: mu1 },
         fiber: Some(fiber),
+    })
+    .expect("valid")
+}
+
+fn bender(columns: &[f64]) -> Actuator<f64> {
+    Actuator::new(&ActuatorParameters {
+        motion: Motion::Bending,
+        inner_radius_m: columns[0],
+        outer_radius_m: columns[1],
+        length_m: LENGTH_M,
+        material: Material::NeoHookean { shear_modulus_pa: columns[4] },
+        fiber: None,
     })
     .expect("valid")
 }
@@ -58,6 +73,26 @@ fn main() {
         }
         println!("forward_batch_{name} {prepared:.1}\nforward_batch_as_they_come_{name} {as_they_come:.1}");
     }
+    bends(&rows);
+}
+
+/// Benders of the sample's walls, each at a bend between slight and half a turn per length of twelve diameters.
+fn bends(rows: &[Vec<f64>]) {
+    let bend = |i: usize| 0.02 + 0.33 * (i as f64 * 0.618_033_988_749_895).fract();
+    let benders: Vec<_> = rows.iter().map(|row| bender(row)).collect();
+    let targets: Vec<_> =
+        rows.iter().enumerate().map(|(i, row)| Target::BendAngle(bend(i) * LENGTH_M / row[1])).collect();
+    let mut solutions = vec![benders[0].forward(0.0, &Load::none()).expect("finite"); rows.len()];
+    let inverse = fastest(rows.len(), || {
+        batch::inverse(&benders, &targets, &PressureRange::physical(), &mut solutions).expect("finite");
+        black_box(&solutions);
+    });
+    let pressures_pa: Vec<_> = solutions.iter().map(|solution| solution.state.pressure_pa).collect();
+    let forward = fastest(rows.len(), || {
+        batch::forward(&benders, &pressures_pa, &mut solutions).expect("finite");
+        black_box(&solutions);
+    });
+    println!("bend_inverse_batch {inverse:.1}\nbend_forward_batch {forward:.1}");
 }
 
 /// The fastest time per answer of some runs, ns.

@@ -1,4 +1,4 @@
-//! The forward problem of many actuators at once, on the vector units and the processors that are there.
+//! Forward and inverse problems of many actuators at once, on the vector units and the processors that are there.
 
 use std::num::NonZero;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -6,8 +6,8 @@ use std::sync::{Mutex, OnceLock};
 use std::thread;
 
 use fra_model::{
-    Actuator, Arithmetic, InvalidParameter, LANES, Lanes, Prepared, Solution, atanh_series, forward_many,
-    forward_prepared,
+    Actuator, Arithmetic, InvalidParameter, LANES, Lanes, Prepared, PressureRange, Solution, Target, atanh_series,
+    forward_many, forward_prepared, inverse_many,
 };
 use pulp::{Arch, Simd, WithSimd};
 
@@ -33,6 +33,26 @@ pub fn forward(
 ) -> Result<(), InvalidParameter<f64>> {
     in_shares(LANES, actuators, pressures_pa, solutions, |_, actuators, pressures_pa, solutions| {
         Arch::new().dispatch(Batch { prepared: None, actuators, pressures_pa, solutions })
+    })
+}
+
+/// The gauge pressures in a range, Pa, at which actuators reach a target each without external load, written to `solutions`.
+///
+/// The answers are those of [`Actuator::inverse_within`] of each, up to rounding.
+///
+/// # Panics
+/// When the slices differ in length.
+///
+/// # Errors
+/// As [`Actuator::inverse_within`]; the solutions are then of no use.
+pub fn inverse(
+    actuators: &[Actuator<f64>],
+    targets: &[Target<f64>],
+    range: &PressureRange<f64>,
+    solutions: &mut [Solution<f64>],
+) -> Result<(), InvalidParameter<f64>> {
+    in_shares(LANES, actuators, targets, solutions, |_, actuators, targets, solutions| {
+        Arch::new().dispatch(InverseBatch { actuators, targets, range, solutions })
     })
 }
 
@@ -82,6 +102,25 @@ impl<A: AsRef<[Actuator<f64>]>> ActuatorBatch<A> {
         Arch::new().dispatch(Batch { prepared: Some(&self.groups[groups]), actuators, pressures_pa, solutions })
     }
 
+    /// [`inverse`] of the actuators from the index `from` on, as many as there are targets, on the calling thread.
+    ///
+    /// # Panics
+    /// When there are fewer solutions or actuators than targets.
+    ///
+    /// # Errors
+    /// As [`inverse`].
+    pub fn inverse_from(
+        &self,
+        from: usize,
+        targets: &[Target<f64>],
+        range: &PressureRange<f64>,
+        solutions: &mut [Solution<f64>],
+    ) -> Result<(), InvalidParameter<f64>> {
+        assert!(targets.len() <= solutions.len(), "one solution a target");
+        let actuators = &self.actuators()[from..from + targets.len()];
+        Arch::new().dispatch(InverseBatch { actuators, targets, range, solutions })
+    }
+
     /// [`forward`] of the actuators.
     ///
     /// # Panics
@@ -107,25 +146,25 @@ fn processors() -> usize {
 
 /// Runs `solve` on pieces of the slices, which begin at multiples of `group`, on as many processors as they are worth, each of which takes
 /// a piece when it is done with one; it is told where its piece begins.
-fn in_shares(
+fn in_shares<Q: Sync>(
     group: usize,
     actuators: &[Actuator<f64>],
-    pressures_pa: &[f64],
+    given: &[Q],
     solutions: &mut [Solution<f64>],
-    solve: impl Fn(usize, &[Actuator<f64>], &[f64], &mut [Solution<f64>]) -> Result<(), InvalidParameter<f64>> + Sync,
+    solve: impl Fn(usize, &[Actuator<f64>], &[Q], &mut [Solution<f64>]) -> Result<(), InvalidParameter<f64>> + Sync,
 ) -> Result<(), InvalidParameter<f64>> {
-    assert_eq!((actuators.len(), actuators.len()), (pressures_pa.len(), solutions.len()), "one of each per actuator");
+    assert_eq!((actuators.len(), actuators.len()), (given.len(), solutions.len()), "one of each per actuator");
     let threads = processors().min(actuators.len() / SHARE).max(1);
     let share = if threads > 1 { PIECE } else { actuators.len() };
     let share = share.next_multiple_of(group).max(group);
-    let pieces = actuators.chunks(share).zip(pressures_pa.chunks(share)).zip(solutions.chunks_mut(share));
+    let pieces = actuators.chunks(share).zip(given.chunks(share)).zip(solutions.chunks_mut(share));
     let pieces = Mutex::new(pieces.enumerate());
     // The error of the first piece that has one: pieces are taken in turn, so none before it is left out.
     let work = || {
         loop {
             let piece = pieces.lock().expect("no panic while it is held").next();
-            let (i, ((actuators, pressures_pa), solutions)) = piece?;
-            if let Err(error) = solve(i * share, actuators, pressures_pa, solutions) {
+            let (i, ((actuators, given), solutions)) = piece?;
+            if let Err(error) = solve(i * share, actuators, given, solutions) {
                 return Some((i, error));
             }
         }
@@ -171,6 +210,23 @@ impl WithSimd for Batch<'_> {
     }
 }
 
+struct InverseBatch<'a> {
+    actuators: &'a [Actuator<f64>],
+    targets: &'a [Target<f64>],
+    range: &'a PressureRange<f64>,
+    solutions: &'a mut [Solution<f64>],
+}
+
+impl WithSimd for InverseBatch<'_> {
+    type Output = Result<(), InvalidParameter<f64>>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { actuators, targets, range, solutions } = self;
+        inverse_many(Vector::of(simd, 0.0), actuators, targets, range, solutions)
+    }
+}
+
 /// A vector register of the processor.
 #[derive(Clone, Copy)]
 struct Vector<S: Simd> {
@@ -213,13 +269,28 @@ impl<S: Simd> Neg for Vector<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self::of(self.simd, 0.0) - self
+        Self { simd: self.simd, values: self.simd.neg_f64s(self.values) }
     }
 }
 
 impl<S: Simd> Arithmetic for Vector<S> {
     instruction!(root, sqrt_f64s);
+    instruction!(magnitude, abs_f64s);
     instruction!(least, min_f64s, other);
+    instruction!(greatest, max_f64s, other);
+
+    #[inline(always)]
+    fn is_single(self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn is_at_most(self, other: Self) -> bool {
+        let Self { simd, values } = self;
+        let mask = simd.less_than_or_equal_f64s(values, other.values);
+        let shares = simd.select_f64s(mask, simd.splat_f64s(1.0), simd.splat_f64s(0.0));
+        simd.reduce_min_f64s(shares) > 0.0
+    }
 
     #[inline(always)]
     fn of(self, value: f64) -> Self {
@@ -232,14 +303,13 @@ impl<S: Simd> Arithmetic for Vector<S> {
     }
 
     #[inline(always)]
-    fn plus_product(self, a: Self, b: Self) -> Self {
-        Self { simd: self.simd, values: self.simd.mul_add_e_f64s(a.values, b.values, self.values) }
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        Self { simd: self.simd, values: self.simd.negate_mul_add_e_f64s(a.values, b.values, self.values) }
     }
 
     #[inline(always)]
-    fn magnitude(self) -> Self {
-        let other = -self;
-        Self { simd: self.simd, values: self.simd.max_f64s(self.values, other.values) }
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        Self { simd: self.simd, values: self.simd.mul_add_e_f64s(a.values, b.values, self.values) }
     }
 }
 
@@ -261,6 +331,7 @@ impl<S: Simd> Lanes<f64> for Vector<S> {
 mod tests {
     use super::*;
     use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Status};
+    use std::f64::consts::PI;
 
     fn actuator(i: usize) -> Actuator<f64> {
         let share = i as f64 / 10_000.0;
@@ -317,6 +388,94 @@ mod tests {
             ActuatorBatch::new(&actuators[..count]).forward(&pressures_pa[..count], &mut solutions).expect("finite");
             assert_equal(&solutions, &one_by_one[..count]);
         }
+    }
+
+    /// Benders: bare ones and such with a hoop or a helix, walls from thin to very thick, laws that stiffen and soften.
+    fn bender(i: usize) -> Actuator<f64> {
+        let share = |step: f64| (i as f64 * step).fract();
+        let inner_radius_m = 8e-3 * if i.is_multiple_of(40) { 0.05 } else { 0.12 + 0.85 * share(0.618) };
+        let fiber = Fiber {
+            angle_rad: if i.is_multiple_of(5) { 0.1 } else { 0.0 },
+            families: Families::Two,
+            modulus_pa: 1e9,
+            placement: Placement::Sheet,
+            thickness_m: 2e-4,
+            radius_m: inner_radius_m + (8e-3 - inner_radius_m) * share(0.371),
+        };
+        let c_pa = [8e4, if i.is_multiple_of(7) { -2e3 } else { 4e3 }, 600.0];
+        let neo_hookean = Material::NeoHookean { shear_modulus_pa: 0.2e6 };
+        Actuator::new(&ActuatorParameters {
+            motion: Motion::Bending,
+            inner_radius_m,
+            outer_radius_m: 8e-3,
+            length_m: 0.1,
+            material: if i.is_multiple_of(3) { Material::Yeoh { c_pa } } else { neo_hookean },
+            fiber: (!i.is_multiple_of(4)).then_some(fiber),
+        })
+        .expect("valid")
+    }
+
+    #[test]
+    fn bends_are_answered_as_one_by_one() {
+        let benders: Vec<_> = (0..5000).map(bender).collect();
+        // Up to bends that take more angles than tables have, and panels towards the outer face.
+        let targets: Vec<_> = (0..5000)
+            .map(|i| match i % 23 {
+                0 => Target::BendAngle(0.0),
+                1 => Target::BendAngle(12.0 * PI),
+                _ => Target::BendAngle(2.0 * PI * (f64::from(i) * 0.731).fract().powi(2)),
+            })
+            .collect();
+        for range in [PressureRange::physical(), PressureRange { least_pa: 1e3, most_pa: 60e3 }] {
+            let one_by_one: Vec<_> = benders
+                .iter()
+                .zip(&targets)
+                .map(|(bender, target)| bender.inverse_within(&range, *target, &Load::none()).expect("a bend"))
+                .collect();
+            let mut solutions = vec![one_by_one[0]; 5000];
+            inverse(&benders, &targets, &range, &mut solutions).expect("bends");
+            assert_same_bends(&solutions, &one_by_one);
+        }
+        let pressures_pa: Vec<_> = (0..5000).map(|i| -2e3 + 3e5 * (f64::from(i) * 0.417).fract().powi(3)).collect();
+        let one_by_one: Vec<_> = benders
+            .iter()
+            .zip(&pressures_pa)
+            .map(|(bender, pressure_pa)| bender.forward(*pressure_pa, &Load::none()).expect("finite"))
+            .collect();
+        let mut solutions = vec![one_by_one[0]; 5000];
+        forward(&benders, &pressures_pa, &mut solutions).expect("finite");
+        assert_same_bends(&solutions, &one_by_one);
+        assert!(one_by_one.iter().filter(|one| one.status == Status::Solved).count() > 4000);
+    }
+
+    fn assert_same_bends(many: &[Solution<f64>], one_by_one: &[Solution<f64>]) {
+        let mut worst = [0.0_f64; 3];
+        for (i, (a, b)) in many.iter().zip(one_by_one).enumerate() {
+            assert_eq!(a.status, b.status, "{i}: {a:?} {b:?}");
+            if a.status == Status::Solved {
+                let pairs = [
+                    (a.state.pressure_pa, b.state.pressure_pa),
+                    (a.state.bend_angle_rad, b.state.bend_angle_rad),
+                    (a.state.compliance_m3_per_pa, b.state.compliance_m3_per_pa),
+                ];
+                for (worst, (x, y)) in worst.iter_mut().zip(pairs) {
+                    *worst = worst.max(if x == y { 0.0 } else { (x / y - 1.0).abs() });
+                }
+            }
+        }
+        println!("{worst:?}");
+        assert!(worst[0] < 2e-14 && worst[1] < 2e-14 && worst[2] < 1e-13, "{worst:?}");
+    }
+
+    #[test]
+    fn target_that_is_no_bend_is_refused() {
+        let benders = [bender(1), bender(2)];
+        let blank = benders[0].forward(0.0, &Load::none()).expect("finite");
+        let targets = [Target::BendAngle(0.1), Target::AxialStretch(1.1)];
+        let error = inverse(&benders, &targets, &PressureRange::physical(), &mut [blank; 2]).expect_err("no bend");
+        assert_eq!(error.field, "axial_stretch");
+        let error = inverse(&benders[..1], &[Target::BendAngle(-0.1)], &PressureRange::physical(), &mut [blank]);
+        assert_eq!(error.expect_err("backwards").field, "bend_angle_rad");
     }
 
     #[test]

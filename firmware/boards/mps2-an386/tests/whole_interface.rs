@@ -5,10 +5,11 @@ use std::path::Path;
 
 /// What only a host has a use for: vector registers, queries about actuators that come but once, a second winding, properties of
 /// bends for statics and warnings, names and units of quantities.
-const HOST_ONLY: [&str; 19] = [
+const HOST_ONLY: [&str; 20] = [
     "in_series",
     "forward_many",
     "forward_prepared",
+    "inverse_many",
     "atanh_series",
     "forward_once",
     "second_fiber",

@@ -12,13 +12,12 @@ use crate::number::dual::Dual;
 use crate::number::scalar::Scalar;
 use crate::parameters::{ActuatorParameters, Material, shrinks_bends};
 use crate::solution::State;
+use crate::solve::closed_form::{Arithmetic, LANES, Lanes};
 
 use helical::Circle;
 use moment::Bend;
-use nodes::{
-    ANGLES_2, ANGLES_4, ANGLES_6, ANGLES_8, ANGLES_10, ANGLES_12, ANGLES_16, Digits, Wall, angles, constants,
-    equal_angles,
-};
+pub(crate) use nodes::{Digits, MOST_TABLED};
+use nodes::{Wall, angles, equal_angles, tabled};
 
 /// `R_i/R_o` above which the moment of a wall that does not soften rises throughout.
 const THICK: f64 = 0.1;
@@ -62,6 +61,12 @@ pub(crate) struct Bent<T> {
 pub(crate) struct EndLoad<T> {
     pub(crate) moment: T,
     by_force: T,
+}
+
+impl<T: Scalar> EndLoad<T> {
+    pub(crate) fn none() -> Self {
+        Self { moment: T::zero(), by_force: T::zero() }
+    }
 }
 
 /// The space within the winding: strain of the axis, `area` and its slope in `k` per undeformed length in units of `pi R_o^2`, and the
@@ -226,37 +231,23 @@ impl<T: Scalar> Section<T> {
         self.sampled(k, load, Digits::All)
     }
 
-    /// The same to some digits, for a first guess.
-    pub(crate) fn roughly_bent(&self, k: T, load: &EndLoad<T>) -> Bent<T> {
-        self.sampled(k, load, Digits::Few)
-    }
-
-    fn sampled(&self, k: T, load: &EndLoad<T>, digits: Digits) -> Bent<T> {
+    /// The same to some digits.
+    pub(crate) fn sampled(&self, k: T, load: &EndLoad<T>, digits: Digits) -> Bent<T> {
         if self.is_helical() {
             return self.sampled_helical(k, load, digits);
         }
         match angles(self.nearness(k), digits) {
-            2 => self.integrated(k, digits, &ANGLES_2.map(constants)),
-            4 => self.integrated(k, digits, &ANGLES_4.map(constants)),
-            6 => self.integrated(k, digits, &ANGLES_6.map(constants)),
-            8 => self.integrated(k, digits, &ANGLES_8.map(constants)),
-            10 => self.integrated(k, digits, &ANGLES_10.map(constants)),
-            12 => self.integrated(k, digits, &ANGLES_12.map(constants)),
-            16 => self.integrated(k, digits, &ANGLES_16.map(constants)),
-            32 => self.integrated(k, digits, &equal_angles::<T, 16>()),
-            64 => self.integrated(k, digits, &equal_angles::<T, 32>()),
-            _ => self.integrated(k, digits, &equal_angles::<T, 64>()),
+            32 => self.integrated_apart(k, digits, &equal_angles::<T, 16>()),
+            64 => self.integrated_apart(k, digits, &equal_angles::<T, 32>()),
+            128 => self.integrated_apart(k, digits, &equal_angles::<T, 64>()),
+            few => self.integrated_apart(k, digits, &tabled(k, few)[..usize::from(few / 2)]),
         }
     }
 
-    /// Nearness of the nearest singularity of the deformed radius to the angles, 0 to about 1: at the inner face, where the radius
-    /// would shrink to nothing, or beyond the outer one, where the map folds.
-    fn nearness(&self, k: T) -> T {
-        let f2 = self.winding * self.winding;
-        let stretch = T::one() + k;
-        let lumen = f2 - (f2 - self.wall.inner2()) / stretch;
-        let within = f2 * self.winding * T::constant(2.0 / 3.0) / lumen;
-        k / stretch * Scalar::max(within, self.beyond)
+    /// [`integrated`](Self::integrated), compiled once for all numbers of angles.
+    #[inline(never)]
+    fn integrated_apart(&self, k: T, digits: Digits, angles: &[(T, T)]) -> Bent<T> {
+        self.integrated(k, digits, angles)
     }
 
     /// [`sampled`](Self::sampled) with a helical winding.
@@ -265,15 +256,13 @@ impl<T: Scalar> Section<T> {
         let closed = (T::one() + T::one() / self.slant).sqrt() - T::one();
         let near = if closed > k + k { k / (closed - k) } else { T::one() };
         match angles(Scalar::max(self.nearness(k), near), digits) {
-            2 | 4 => self.integrated_helical(k, load, digits, &ANGLES_4.map(constants)),
-            6 => self.integrated_helical(k, load, digits, &ANGLES_6.map(constants)),
-            8 => self.integrated_helical(k, load, digits, &ANGLES_8.map(constants)),
-            10 => self.integrated_helical(k, load, digits, &ANGLES_10.map(constants)),
-            12 => self.integrated_helical(k, load, digits, &ANGLES_12.map(constants)),
-            16 => self.integrated_helical(k, load, digits, &ANGLES_16.map(constants)),
             32 => self.integrated_helical(k, load, digits, &equal_angles::<T, 16>()),
             64 => self.integrated_helical(k, load, digits, &equal_angles::<T, 32>()),
-            _ => self.integrated_helical(k, load, digits, &equal_angles::<T, 64>()),
+            128 => self.integrated_helical(k, load, digits, &equal_angles::<T, 64>()),
+            few => {
+                let few = few.max(4);
+                self.integrated_helical(k, load, digits, &tabled(k, few)[..usize::from(few / 2)])
+            }
         }
     }
 
@@ -317,26 +306,76 @@ impl<T: Scalar> Section<T> {
     fn fold(&self, k: T) -> T {
         Bend::new(k, self.winding, self.a, self.b).fold()
     }
+}
 
-    fn integrated(&self, k: T, digits: Digits, angles: &[(T, T)]) -> Bent<T> {
+impl<S: Arithmetic> Section<S> {
+    /// Nearness of the nearest singularity of the deformed radius to the angles, 0 to about 1: at the inner face, where the radius
+    /// would shrink to nothing, or beyond the outer one, where the map folds.
+    fn nearness(&self, k: S) -> S {
+        let f2 = self.winding * self.winding;
+        let stretch = k.of(1.0) + k;
+        let lumen = f2 - (f2 - self.wall.inner2()) / stretch;
+        let within = f2 * self.winding * k.of(2.0 / 3.0) / lumen;
+        k / stretch * within.greatest(self.beyond)
+    }
+
+    /// Number of angles that the integral for a bend takes.
+    pub(crate) fn angles(&self, k: S, digits: Digits) -> u8 {
+        angles(self.nearness(k), digits)
+    }
+
+    /// Number of radii that it takes; `None` where they crowd towards the outer face.
+    pub(crate) fn radii(&self, k: S, digits: Digits) -> Option<u16> {
+        self.wall.radii(k, digits)
+    }
+
+    /// What the integrals of sections take, side by side; lengths, moduli and slants are left out.
+    #[inline(always)]
+    pub(crate) fn columns<T: Copy>(token: S, sections: [&Section<T>; LANES]) -> Self
+    where
+        S: Lanes<T>,
+    {
+        let column = |of: fn(&Section<T>) -> T| token.load(&sections.map(of));
+        let zero = token.of(0.0);
+        Self {
+            outer_radius_m: zero,
+            length_m: zero,
+            shear_modulus_pa: zero,
+            inner: column(|one| one.inner),
+            winding: column(|one| one.winding),
+            a: column(|one| one.a),
+            b: column(|one| one.b),
+            wall: Wall { inner2: column(|one| one.wall.inner2), excess: column(|one| one.wall.excess) },
+            slant: zero,
+            beyond: column(|one| one.beyond),
+        }
+    }
+
+    /// The moment of a winding that keeps its radius, by a number of angles that has a table.
+    #[inline(always)]
+    pub(crate) fn bent_hoop(&self, k: S, digits: Digits, count: u8) -> Bent<S> {
+        self.integrated(k, digits, &tabled(k, count)[..usize::from(count / 2)])
+    }
+
+    #[inline(always)]
+    fn integrated(&self, k: S, digits: Digits, angles: &[(S, S)]) -> Bent<S> {
         let bend = Bend::new(k, self.winding, self.a, self.b);
-        let (mut moment, mut slope, mut halves) = (T::zero(), T::zero(), T::zero());
-        angles.iter().for_each(|_| halves += T::constant(2.0));
-        self.wall.for_each(
-            k,
-            || bend.fold(),
-            digits,
-            |square, weight| {
+        let (mut moment, mut slope, mut halves) = (k.of(0.0), k.of(0.0), k.of(0.0));
+        angles.iter().for_each(|_| halves = halves + k.of(2.0));
+        let mut panels = self.wall.panels(k, || bend.fold(), digits);
+        while let Some(panel) = panels.next() {
+            for &(t, weight) in panels.rule() {
+                let (square, weight) = panel.node(t, weight);
                 let ring = bend.ring(square);
                 for &(cos, sin) in angles {
                     let (density, curve) = bend.density(&ring, cos, sin);
-                    moment += density.sum() * weight;
-                    slope += curve.sum() * weight;
+                    moment = moment + density.sum() * weight;
+                    slope = slope + curve.sum() * weight;
                 }
-            },
-        );
+            }
+        }
         // dA = d(rho^2)/2 dphi, both halves of the section.
-        let scale = T::constant(core::f64::consts::PI) / halves;
+        let scale = k.of(core::f64::consts::PI) / halves;
         Bent { k, moment: moment * scale, slope: slope * scale }
     }
 }

@@ -4,7 +4,7 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::number::scalar::Scalar;
+use crate::solve::closed_form::Arithmetic;
 
 /// Most rounds of the iteration for the deformed radius.
 const RADIUS_ROUNDS: u32 = 60;
@@ -19,14 +19,14 @@ pub(super) struct Pair<T>([T; 2]);
 
 macro_rules! componentwise {
     ($($operator:ident $method:ident),*) => {
-        $(impl<T: Scalar> $operator for Pair<T> {
+        $(impl<T: Arithmetic> $operator for Pair<T> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
                 Self([self.0[0].$method(other.0[0]), self.0[1].$method(other.0[1])])
             }
         }
-        impl<T: Scalar> $operator<T> for Pair<T> {
+        impl<T: Arithmetic> $operator<T> for Pair<T> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: T) -> Self {
@@ -38,7 +38,7 @@ macro_rules! componentwise {
 
 componentwise!(Add add, Sub sub, Mul mul, Div div);
 
-impl<T: Scalar> Neg for Pair<T> {
+impl<T: Arithmetic> Neg for Pair<T> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -46,15 +46,28 @@ impl<T: Scalar> Neg for Pair<T> {
     }
 }
 
-impl<T: Scalar> Pair<T> {
+impl<T: Arithmetic> Pair<T> {
     #[inline(always)]
     fn of(value: T) -> Self {
         Self([value; 2])
     }
 
+    /// `self + a b`.
     #[inline(always)]
-    fn both(self, what: impl Fn(T) -> bool) -> bool {
-        what(self.0[0]) & what(self.0[1])
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        Self([self.0[0].plus_product(a.0[0], b.0[0]), self.0[1].plus_product(a.0[1], b.0[1])])
+    }
+
+    /// `self - a b`.
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        Self([self.0[0].minus_product(a.0[0], b.0[0]), self.0[1].minus_product(a.0[1], b.0[1])])
+    }
+
+    /// Whether the magnitudes are at most those of a limit.
+    #[inline(always)]
+    fn is_within(self, limit: Self) -> bool {
+        self.0[0].magnitude().is_at_most(limit.0[0]) & self.0[1].magnitude().is_at_most(limit.0[1])
     }
 
     #[inline(always)]
@@ -89,24 +102,25 @@ pub(super) struct Ring<T> {
     powers: [T; 3],
 }
 
-impl<T: Scalar> Bend<T> {
+impl<T: Arithmetic> Bend<T> {
+    #[inline(always)]
     pub(super) fn new(k: T, winding: T, a: T, b: T) -> Self {
-        let f2 = winding * winding;
-        let neo_hookean = a == T::zero() && b == T::zero();
-        Self { k, per_stretch: T::one() / (T::one() + k), f2, f3: f2 * winding, a, b, neo_hookean }
+        let (f2, one, zero) = (winding * winding, k.of(1.0), k.of(0.0));
+        let neo_hookean = a.magnitude().is_at_most(zero) && b.magnitude().is_at_most(zero);
+        Self { k, per_stretch: one / (one + k), f2, f3: f2 * winding, a, b, neo_hookean }
     }
 
     #[inline(always)]
     pub(super) fn ring(&self, square: T) -> Ring<T> {
         // r^2 = y^2 + u x (1 + y x + (y^2 + u/(4 y)) x^2 + ...), u = -2/3 (f^3 - y^3), x = cos(phi_c) k/(1+k).
         let y2 = self.f2 - (self.f2 - square) * self.per_stretch;
-        let y = y2.sqrt();
-        let u = (y2 * y - self.f3) * T::constant(2.0 / 3.0);
+        let y = y2.root();
+        let u = (y2 * y - self.f3) * y.of(2.0 / 3.0);
         let (first, x) = (u / y2, self.k * self.per_stretch);
-        let third = y2 + u / (y * T::constant(4.0));
+        let third = y2 + u / (y * y.of(4.0));
         Ring {
             square,
-            inverse: T::one() / square,
+            inverse: y.of(1.0) / square,
             straight: y,
             powers: [first * x, first * x * x * y, first * x * x * x * third],
         }
@@ -115,7 +129,15 @@ impl<T: Scalar> Bend<T> {
     /// `G = (rho_f^2 - r^2)/2 - cos (rho_f^3 - r^3)/3`, so that `r^2 = rho^2 + 2 k G(r)`.
     #[inline(always)]
     fn inward_shift(&self, r: Pair<T>, r2: Pair<T>, cos_third: Pair<T>) -> Pair<T> {
-        (Pair::of(self.f2) - r2) * T::constant(0.5) - cos_third * (Pair::of(self.f3) - r2 * r)
+        let within = (Pair::of(self.f2) - r2) * self.k.of(0.5);
+        within.minus_product(cos_third, Pair::of(self.f3).minus_product(r2, r))
+    }
+
+    /// Imbalance of the isochoric map, `rho^2 + 2 k G(r) - r^2`.
+    #[inline(always)]
+    fn off(&self, ring: &Ring<T>, r: Pair<T>, cos_third: Pair<T>) -> Pair<T> {
+        let r2 = r * r;
+        Pair::of(ring.square).plus_product(self.inward_shift(r, r2, cos_third), Pair::of(self.k + self.k)) - r2
     }
 
     /// Radii of the deformed points of a ring at the angles of cosines `cos`: the root of the isochoric map.
@@ -124,38 +146,36 @@ impl<T: Scalar> Bend<T> {
     /// leaves the fifth power of an error; away from the root it is Newton's.
     #[inline(always)]
     fn deformed_radius(&self, ring: &Ring<T>, cos: Pair<T>) -> Pair<T> {
-        let (one, half, k) = (T::one(), T::constant(0.5), self.k);
-        let cos_third = cos * T::constant(1.0 / 3.0);
+        let k = self.k;
+        let (one, half) = (k.of(1.0), k.of(0.5));
+        let cos_third = cos * k.of(1.0 / 3.0);
         let [first, second, third] = ring.powers;
-        let share = ((cos * third + second) * cos + first) * cos;
-        let near = share.both(|v| v.abs() < half);
-        let bow = share * half;
-        let guess = (bow * (Pair::of(one) - bow * half * (Pair::of(one) - bow)) + one) * ring.straight;
+        let share = Pair::of(second).plus_product(cos, Pair::of(third));
+        let share = Pair::of(first).plus_product(share, cos) * cos;
+        let near = share.is_within(Pair::of(half));
+        let (bow, whole) = (share * half, Pair::of(one));
+        let guess = whole.plus_product(bow, whole.minus_product(bow * half, whole - bow)) * ring.straight;
         let mut r = if near { guess } else { Pair::of(ring.straight) };
-        let last = T::constant(if T::epsilon() > T::constant(1e-9) { LAST_SINGLE } else { LAST_DOUBLE });
+        let last = k.of(if k.is_single() { LAST_SINGLE } else { LAST_DOUBLE });
         // A derivative settles one step after what it is the derivative of.
-        let mut left = T::ORDER;
+        let mut left = T::DERIVATIVES;
         for _ in 0..RADIUS_ROUNDS {
             let bent = cos * r * k;
             let stretch = Pair::of(one + k) - bent;
             let inverse = Pair::of(half) / (r * stretch);
-            let rest = |r: Pair<T>| {
-                let r2 = r * r;
-                self.inward_shift(r, r2, cos_third) * (k + k) + ring.square - r2
-            };
-            let step = rest(r) * inverse;
-            let size = step / r;
-            let small = size.both(|v| v.abs() < T::constant(0.1));
+            let step = self.off(ring, r, cos_third) * inverse;
+            let small = step.is_within(r * k.of(0.1));
             if !small {
                 // The root is positive; a step beyond zero is cut short.
                 let (least, next) = (r * half, r + step);
-                r = Pair([next.0[0].max(least.0[0]), next.0[1].max(least.0[1])]);
+                r = Pair([next.0[0].greatest(least.0[0]), next.0[1].greatest(least.0[1])]);
                 continue;
             }
-            r = r + step - (stretch - bent) * inverse * step * step;
-            r = r + rest(r) * inverse;
-            r = r + rest(r) * inverse;
-            if size.both(|v| v.abs() <= last) {
+            let is_last = step.is_within(r * last);
+            r = (r + step).minus_product((stretch - bent) * inverse * step, step);
+            r = r.plus_product(self.off(ring, r, cos_third), inverse);
+            r = r.plus_product(self.off(ring, r, cos_third), inverse);
+            if is_last {
                 if left == 0 {
                     break;
                 }
@@ -172,41 +192,46 @@ impl<T: Scalar> Bend<T> {
     #[inline(always)]
     pub(super) fn density(&self, ring: &Ring<T>, cos: T, sin: T) -> (Pair<T>, Pair<T>) {
         let cos = Pair([cos, -cos]);
-        let (one, two, third, k) = (T::one(), T::constant(2.0), T::constant(1.0 / 3.0), self.k);
+        let k = self.k;
+        let (one, two, third) = (k.of(1.0), k.of(2.0), k.of(1.0 / 3.0));
+        let (whole, by_k, by_two, by_square) = (Pair::of(one), Pair::of(k), Pair::of(two), Pair::of(ring.inverse));
         let r = self.deformed_radius(ring, cos);
         let r2 = r * r;
-        let h = Pair::of(one) - cos * r;
-        let stretch = h * k + one;
-        let both = Pair::of(one) / (stretch * r);
+        let h = whole.minus_product(cos, r);
+        let stretch = whole.plus_product(h, by_k);
+        let both = whole / (stretch * r);
         let (per_stretch, per_r) = (both * r, both * stretch);
         let per_r2 = per_r * per_r;
-        let reach = Pair::of(self.f3) - r2 * r;
-        let shift = (Pair::of(self.f2) - r2) * T::constant(0.5) - cos * third * reach;
+        let reach = Pair::of(self.f3).minus_product(r2, r);
+        let shift = ((Pair::of(self.f2) - r2) * k.of(0.5)).minus_product(cos * third, reach);
 
         let g = shift * per_r2 * per_stretch;
         let (eta, eps) = (shift * (two * ring.inverse), h * (stretch + one));
-        let (p, q) = (eta * k + one, stretch * stretch);
+        let (p, q) = (whole.plus_product(eta, by_k), stretch * stretch);
         let per_pq = per_stretch * per_stretch * per_r2 * ring.square;
         let kc = cos * k;
-        let l = (h - kc * r * g) * per_stretch;
+        let l = h.minus_product(kc * r, g) * per_stretch;
         let lean = per_stretch * sin;
         let m = lean * reach * per_r * third;
-        let m_k = -(lean * r2 * g) - m * (g + l);
-        let lean_k = m + m_k * k;
-        // (p - 1/pq)/k and (q - 1/pq)/k.
-        let by_radius = (eta * (p + one) * q + eps) * per_pq;
-        let by_stretch = (eps * (q + one) * p + eta) * per_pq;
-        let half_slope = (g * by_radius + l * by_stretch + m * lean_k * ring.inverse) * k;
-
         let sum = g + l;
-        let g_k = -(g * (h * per_stretch + g + sum));
-        let bow = g * g + g_k;
-        let l_k = -(cos * per_stretch * r * (g * two + bow * k)) - l * l;
-        let m_kk = -(lean * r2 * (g * g * two + g_k - g * l)) - m_k * sum - m * (g_k + l_k);
-        let lean_kk = m_k * two + m_kk * k;
-        let half_curve = (g_k * by_radius + l_k * by_stretch) * k
-            + (g * g * p + l * l * q + sum * sum * per_pq) * two
-            + (lean_k * lean_k + m * lean_kk * k) * ring.inverse;
+        let m_k = (-(lean * r2 * g)).minus_product(m, sum);
+        let lean_k = m.plus_product(m_k, by_k);
+        // (p - 1/pq)/k and (q - 1/pq)/k.
+        let by_radius = eps.plus_product(eta * (p + one), q) * per_pq;
+        let by_stretch = eta.plus_product(eps * (q + one), p) * per_pq;
+        let half_slope = (g * by_radius).plus_product(l, by_stretch).plus_product(m * lean_k, by_square) * k;
+
+        let g_k = -(g * (g.plus_product(h, per_stretch) + sum));
+        let bow = g_k.plus_product(g, g);
+        let turn = (g * two).plus_product(bow, by_k);
+        let l_k = (-(cos * per_stretch * r * turn)).minus_product(l, l);
+        let swing = g_k.plus_product(g * g, by_two).minus_product(g, l);
+        let m_kk = (-(lean * r2 * swing)).minus_product(m_k, sum).minus_product(m, g_k + l_k);
+        let lean_kk = (m_k * two).plus_product(m_kk, by_k);
+        let strains = (g * g * p).plus_product(l * l, q).plus_product(sum * sum, per_pq);
+        let half_curve = ((g_k * by_radius).plus_product(l_k, by_stretch) * k)
+            .plus_product(strains, by_two)
+            .plus_product((lean_k * lean_k).plus_product(m * lean_kk, by_k), by_square);
         if self.neo_hookean {
             return (half_slope, half_curve);
         }
@@ -216,14 +241,16 @@ impl<T: Scalar> Bend<T> {
         let invariant = strain * per_pq + m * m * (k * k) * ring.inverse;
         let stiffness = (invariant * self.b + self.a) * invariant * two + one;
         let stiffening = invariant * (two * self.b) + self.a;
-        (stiffness * half_slope, stiffness * half_curve + stiffening * half_slope * half_slope * T::constant(4.0))
+        (stiffness * half_slope, stiffness * half_curve + stiffening * half_slope * half_slope * k.of(4.0))
     }
 
     /// `rho^2` at which the map folds, at `r = 1 + 1/k` on the side of the inextensible line.
+    #[inline(always)]
     pub(super) fn fold(&self) -> T {
-        let r = T::one() + T::one() / self.k;
+        let one = self.k.of(1.0);
+        let r = one + one / self.k;
         let r2 = r * r;
-        let shift = self.inward_shift(Pair::of(r), Pair::of(r2), Pair::of(T::constant(1.0 / 3.0)));
+        let shift = self.inward_shift(Pair::of(r), Pair::of(r2), Pair::of(r.of(1.0 / 3.0)));
         r2 - (self.k + self.k) * shift.0[0]
     }
 }

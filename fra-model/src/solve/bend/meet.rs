@@ -1,7 +1,7 @@
 //! Fast solver of the bend for a moment that rises throughout with the bend.
 
 use super::{Bender, LARGEST_CURVATURE};
-use crate::model::section::{Bent, EndLoad};
+use crate::model::section::{Bent, Digits, EndLoad};
 use crate::number::real::{Real, epsilon, real};
 use crate::number::scalar::Scalar;
 
@@ -18,7 +18,7 @@ const OPEN: f64 = 0.03;
 const SCALE: f64 = 0.25;
 
 /// A bend that was met.
-pub(super) struct Met<T> {
+pub(crate) struct Met<T> {
     pub(super) bent: Bent<T>,
     /// Tolerance of its moment.
     pub(super) off: T,
@@ -53,52 +53,96 @@ impl<T: Real> Cubic<T> {
     }
 }
 
+/// The way to the bend of a moment that rises throughout: integrals, each where those before it lead.
+///
+/// A cubic through the last two bends leads to the next one. The first may be rough, and then are all too large or small by the
+/// same factor, nearly. The last cubic is the answer, with its slope, where the next term of its kind, of the order of
+/// `step^2 whole^2`, and its derivative are below rounding.
+pub(super) struct Meeting<T> {
+    wanted: T,
+    before: Bent<T>,
+    /// Bend of the next integral.
+    pub(super) next: T,
+    stage: Stage,
+    rounds: u32,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    Rough,
+    /// The first integral to all digits after rough ones.
+    Exact,
+    Last,
+}
+
+/// What an integral leads to.
+pub(super) enum Turn<T> {
+    Again,
+    Met(Met<T>),
+    Lost,
+}
+
+impl<T: Real> Meeting<T> {
+    /// From the straight bender, or from a bend near the desired one.
+    pub(super) fn new(straight: &Bent<T>, from: T, wanted: T) -> Self {
+        let next = if from > T::zero() { from } else { Scalar::min(wanted / straight.slope, real(FIRST)) };
+        let double = epsilon::<T>() < real(1e-9);
+        let looks_around = double && from == T::zero() && next > real(SLIGHT);
+        let stage = if looks_around { Stage::Rough } else { Stage::Last };
+        Self { wanted, before: *straight, next, stage, rounds: 0 }
+    }
+
+    /// Required accuracy of the next integral.
+    pub(super) fn digits(&self) -> Digits {
+        if self.stage == Stage::Rough { Digits::Few } else { Digits::All }
+    }
+
+    /// Takes the integral at `next`.
+    pub(super) fn take(&mut self, here: Bent<T>) -> Turn<T> {
+        if self.stage == Stage::Exact {
+            let factor = here.moment / self.wanted;
+            (self.before.moment, self.before.slope) = (self.before.moment * factor, self.before.slope * factor);
+        }
+        let Some(found) = led_on(&self.before, &here, self.wanted) else { return Turn::Lost };
+        self.rounds += 1;
+        match self.stage {
+            Stage::Rough => {
+                let settled = (found.k - self.next).abs() <= found.k * real(OPEN);
+                if settled || self.rounds == ROUNDS {
+                    (self.stage, self.rounds) = (Stage::Exact, 0);
+                }
+            }
+            Stage::Exact => self.stage = Stage::Last,
+            Stage::Last => {
+                if let Some(met) = arrived(&self.before, &here, &found) {
+                    return Turn::Met(met);
+                }
+            }
+        }
+        if self.rounds == ROUNDS {
+            return Turn::Lost;
+        }
+        (self.before, self.next) = (here, found.k);
+        Turn::Again
+    }
+}
+
 impl<T: Real> Bender<T> {
     /// The bend of a moment, which must rise throughout; `None` where the iteration does not converge.
-    ///
-    /// A cubic through the last two bends leads to the next one. The first may be rough, and then are all too large or small by the
-    /// same factor, nearly. The last cubic is the answer, with its slope, where the next term of its kind, of the order of
-    /// `step^2 whole^2`, and its derivative are below rounding.
     pub(super) fn meet(&self, from: T, wanted: T, load: &EndLoad<T>, iterations: &mut u32) -> Option<Met<T>> {
         if wanted == T::zero() {
             return Some(Met { bent: self.straight, off: T::zero() });
         }
-        let first = if from > T::zero() { from } else { Scalar::min(wanted / self.straight.slope, real(FIRST)) };
-        let double = epsilon::<T>() < real(1e-9);
-        let (mut before, mut next, mut is_rough) = (self.straight, first, false);
-        if double && from == T::zero() && first > real(SLIGHT) {
-            (before, next) = self.look_around(first, wanted, load, iterations)?;
-            is_rough = true;
-        }
-        for _ in 0..ROUNDS {
-            let here = self.bent(next, load, iterations);
-            if is_rough {
-                let factor = here.moment / wanted;
-                (before.moment, before.slope) = (before.moment * factor, before.slope * factor);
-            }
-            let found = led_on(&before, &here, wanted)?;
-            if let Some(met) = arrived(&before, &here, &found).filter(|_| !is_rough) {
-                return Some(met);
-            }
-            (before, is_rough, next) = (here, false, found.k);
-        }
-        None
-    }
-
-    /// A rough bend near the desired one, and the next guess.
-    fn look_around(&self, first: T, wanted: T, load: &EndLoad<T>, iterations: &mut u32) -> Option<(Bent<T>, T)> {
-        let (mut before, mut next) = (self.straight, first);
-        for _ in 0..ROUNDS {
+        let mut meeting = Meeting::new(&self.straight, from, wanted);
+        loop {
             *iterations += 1;
-            let here = self.section.roughly_bent(next, load);
-            let found = led_on(&before, &here, wanted)?;
-            let settled = (found.k - next).abs() <= found.k * real(OPEN);
-            (before, next) = (here, found.k);
-            if settled {
-                break;
+            let here = self.section.sampled(meeting.next, load, meeting.digits());
+            match meeting.take(here) {
+                Turn::Again => {}
+                Turn::Met(met) => return Some(met),
+                Turn::Lost => return None,
             }
         }
-        Some((before, next))
     }
 }
 

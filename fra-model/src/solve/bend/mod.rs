@@ -7,6 +7,7 @@
 //! volume inside a winding that keeps its radius. This replaces eqs. (10)-(13) of the paper, whose stretch (12) does not vary
 //! around the section and whose balance leaves out the pressure carried through the wall.
 
+mod lanes;
 mod meet;
 
 use crate::model::section::{Bent, EndLoad, Section};
@@ -15,6 +16,7 @@ use crate::number::scalar::Scalar;
 use crate::parameters::{ActuatorParameters, InvalidParameter, require};
 use crate::solution::{Load, Solution, State, Status, Target};
 
+pub(crate) use lanes::{MANY, bend_many, meet_many};
 use meet::Met;
 
 /// Longest step of `k` relative to `k + 0.1`, and the largest `k` of the search.
@@ -50,23 +52,56 @@ impl<T: Real> Bender<T> {
         // Only a moment that rises throughout has one bend for every value, so that any start leads to it.
         let rises = !self.section.may_turn();
         let met = if rises { self.meet(from, wanted, &end_load, &mut iterations) } else { None };
-        let mut solution = match met {
-            Some(Met { bent, off }) => {
-                Solution { residual: off / self.section.lever(), ..self.solution(Status::Solved, bent, load, None, 0) }
-            }
+        match met {
+            Some(met) => self.pressed(&met, pressure_pa, load, iterations),
             None => {
                 let begin =
                     if rises && from > T::zero() { self.bent(from, &end_load, &mut iterations) } else { self.straight };
-                self.reach(begin, wanted, load, &mut iterations)
+                let solution = self.reach(begin, wanted, load, &mut iterations);
+                self.at_pressure(Solution { iterations, ..solution }, pressure_pa)
             }
-        };
-        solution.iterations = iterations;
+        }
+    }
+
+    /// The solution at a pressure whose bend was met.
+    pub(crate) fn pressed(&self, met: &Met<T>, pressure_pa: T, load: &Load<T>, iterations: u32) -> Solution<T> {
+        let solution = self.solution(Status::Solved, met.bent, load, None, iterations);
+        self.at_pressure(Solution { residual: met.off / self.section.lever(), ..solution }, pressure_pa)
+    }
+
+    /// A solution that was sought at a pressure.
+    fn at_pressure(&self, mut solution: Solution<T>, pressure_pa: T) -> Solution<T> {
         if solution.status == Status::Solved {
             let off = (solution.state.pressure_pa - pressure_pa).abs() / self.section.shear_modulus_pa();
             solution.residual = Scalar::max(solution.residual, off);
             solution.state.pressure_pa = pressure_pa;
         }
         solution
+    }
+
+    /// The restoring moment at a pressure without load, if it may be met side by side with those of others.
+    pub(crate) fn moment_at(&self, pressure_pa: T) -> Option<T> {
+        let is_plain = pressure_pa > T::zero() && pressure_pa.is_finite() && self.has_one_bend_a_moment();
+        is_plain.then(|| pressure_pa / self.section.shear_modulus_pa() * self.section.lever())
+    }
+
+    /// The bend of a target without load, if its integral may be taken side by side with those of others.
+    pub(crate) fn bend_of(&self, target: Target<T>) -> Option<T> {
+        let Target::BendAngle(angle) = target else { return None };
+        let k = self.section.curvature(angle);
+        let is_plain = angle.is_finite() && angle >= T::zero() && k <= real(LARGEST_CURVATURE);
+        (is_plain && self.has_one_bend_a_moment()).then_some(k)
+    }
+
+    /// Of a hoop winding on a wall that is neither very thick nor softens.
+    fn has_one_bend_a_moment(&self) -> bool {
+        !self.section.is_helical() && !self.section.may_turn()
+    }
+
+    /// The solution without load at a bend; `None` where its moment is not finite.
+    pub(crate) fn bent_to(&self, bent: Bent<T>) -> Option<Solution<T>> {
+        let is_finite = bent.moment.is_finite() && bent.slope.is_finite();
+        is_finite.then(|| self.solution(Status::Solved, bent, &Load::none(), None, 1))
     }
 
     /// The pressure for a bend angle: explicit, since the balance is linear in the pressure.

@@ -1,17 +1,26 @@
-//! Arithmetic of the closed-form kernel: one float, or several side by side.
+//! Arithmetic of kernels: one float, or several side by side.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::number::real::{Real, epsilon, real};
+use crate::number::scalar::Scalar;
 
-/// The arithmetic of the closed-form kernel: that of a float, or of several actuators side by side.
+/// The arithmetic of kernels: that of a float, or of several actuators side by side.
 ///
-/// Every [`Real`] has it; a vector type of several floats gets the kernel by implementing it.
+/// Every [`Real`](crate::Real) has it; a vector type of several floats gets the kernels by implementing it.
 pub trait Arithmetic:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
+    /// Number of derivatives that it carries along.
+    const DERIVATIVES: u32 = 0;
+
     /// A constant of the source; `self` only tells the type.
     fn of(self, value: f64) -> Self;
+
+    /// Whether it has the digits of an `f32`; `self` only tells the type.
+    fn is_single(self) -> bool;
+
+    /// Whether it is at most as large as another; of several, whether all are.
+    fn is_at_most(self, other: Self) -> bool;
 
     /// `atanh(s)/s` from `s^2`. Vectors may leave `s^2 > ATANH_REACH` to the caller to discard.
     fn atanh_over(self, s2: Self) -> Self;
@@ -28,8 +37,20 @@ pub trait Arithmetic:
         self + a * b
     }
 
+    /// `self - a b`, rounded once where that is not slower.
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        self - a * b
+    }
+
     /// The smaller one; either where one is not a number.
     fn least(self, other: Self) -> Self;
+
+    /// The larger one.
+    #[inline(always)]
+    fn greatest(self, other: Self) -> Self {
+        -(-self).least(-other)
+    }
 
     /// Three inverses and `self/d`.
     #[inline(always)]
@@ -78,17 +99,28 @@ fn pair<S: Arithmetic>(s2: S, a: f64, b: f64) -> S {
     s2.of(1.0 / a).plus_product(s2, s2.of(1.0 / b))
 }
 
-impl<T: Real> Arithmetic for T {
+impl<T: Scalar> Arithmetic for T {
+    const DERIVATIVES: u32 = T::ORDER;
+
     #[inline(always)]
     fn of(self, value: f64) -> Self {
-        real(value)
+        T::constant(value)
+    }
+
+    #[inline(always)]
+    fn is_single(self) -> bool {
+        T::epsilon() > T::constant(1e-9)
+    }
+
+    #[inline(always)]
+    fn is_at_most(self, other: Self) -> bool {
+        self <= other
     }
 
     #[inline(always)]
     fn atanh_over(self, s2: Self) -> Self {
-        if s2 <= real(SHORT_REACH) {
-            let single = epsilon::<T>() > real::<T>(1e-9);
-            return if single { atanh_series_single(s2) } else { atanh_series_short(s2) };
+        if s2 <= T::constant(SHORT_REACH) {
+            return if self.is_single() { atanh_series_single(s2) } else { atanh_series_short(s2) };
         }
         atanh_by_logarithm(self)
     }
@@ -108,11 +140,16 @@ impl<T: Real> Arithmetic for T {
         if self < other { self } else { other }
     }
 
+    #[inline(always)]
+    fn greatest(self, other: Self) -> Self {
+        if self < other { other } else { self }
+    }
+
     /// In single precision by one division, which costs a microcontroller as much as fourteen products.
     #[inline(always)]
     fn over_and_inverses(self, d: Self, [a, b, c]: [Self; 3]) -> (Self, [Self; 3]) {
         let one = T::one();
-        if epsilon::<T>() < real::<T>(1e-9) {
+        if !self.is_single() {
             return (self / d, [one / a, one / b, one / c]);
         }
         let (ab, cd) = (a * b, c * d);
@@ -123,7 +160,7 @@ impl<T: Real> Arithmetic for T {
 }
 
 #[cold]
-fn atanh_by_logarithm<T: Real>(s: T) -> T {
-    let two = real::<T>(2.0);
+fn atanh_by_logarithm<T: Scalar>(s: T) -> T {
+    let two = T::constant(2.0);
     (two * s / (T::one() - s)).ln_1p() / (two * s)
 }
