@@ -15,7 +15,7 @@ use crate::solution::State;
 use crate::solve::closed_form::{Arithmetic, LANES, Lanes};
 
 use helical::Circle;
-use moment::Bend;
+use moment::{Bend, Eight, Four, Pair};
 pub(crate) use nodes::{Digits, MOST_TABLED};
 use nodes::{Wall, angles, equal_angles, tabled};
 
@@ -247,7 +247,11 @@ impl<T: Scalar> Section<T> {
     /// [`integrated`](Self::integrated), compiled once for all numbers of angles.
     #[inline(never)]
     fn integrated_apart(&self, k: T, digits: Digits, angles: &[(T, T)]) -> Bent<T> {
-        self.integrated(k, digits, angles)
+        if k.is_single() || T::DERIVATIVES > 0 {
+            self.integrated::<false>(k, digits, angles)
+        } else {
+            self.integrated::<true>(k, digits, angles)
+        }
     }
 
     /// [`sampled`](Self::sampled) with a helical winding.
@@ -354,11 +358,12 @@ impl<S: Arithmetic> Section<S> {
     /// The moment of a winding that keeps its radius, by a number of angles that has a table.
     #[inline(always)]
     pub(crate) fn bent_hoop(&self, k: S, digits: Digits, count: u8) -> Bent<S> {
-        self.integrated(k, digits, &tabled(k, count)[..usize::from(count / 2)])
+        self.integrated::<false>(k, digits, &tabled(k, count)[..usize::from(count / 2)])
     }
 
+    /// Points of several angles at a time if `WIDE`: a float waits for the ones before it.
     #[inline(always)]
-    fn integrated(&self, k: S, digits: Digits, angles: &[(S, S)]) -> Bent<S> {
+    fn integrated<const WIDE: bool>(&self, k: S, digits: Digits, angles: &[(S, S)]) -> Bent<S> {
         let bend = Bend::new(k, self.winding, self.a, self.b);
         let (mut moment, mut slope, mut halves) = (k.of(0.0), k.of(0.0), k.of(0.0));
         angles.iter().for_each(|_| halves = halves + k.of(2.0));
@@ -367,10 +372,16 @@ impl<S: Arithmetic> Section<S> {
             for &(t, weight) in panels.rule() {
                 let (square, weight) = panel.node(t, weight);
                 let ring = bend.ring(square);
-                for &(cos, sin) in angles {
-                    let (density, curve) = bend.density(&ring, cos, sin);
-                    moment = moment + density.sum() * weight;
-                    slope = slope + curve.sum() * weight;
+                let mut left = angles;
+                while !left.is_empty() {
+                    let (count, (density, curve)) = match left.len() {
+                        4.. if WIDE => (4, bend.summed::<Eight<S>>(&ring, left)),
+                        2.. if WIDE => (2, bend.summed::<Four<S>>(&ring, left)),
+                        _ => (1, bend.summed::<Pair<S>>(&ring, left)),
+                    };
+                    left = &left[count..];
+                    moment = moment + density * weight;
+                    slope = slope + curve * weight;
                 }
             }
         }

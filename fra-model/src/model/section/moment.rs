@@ -1,6 +1,6 @@
 //! The restoring moment of the wall and its slope, point by point of the section.
 //!
-//! A point and its mirror image across the axis of the bend, where the cosine has the other sign, are computed side by side.
+//! Points and their mirror images across the axis of the bend, where the cosine has the other sign, are computed side by side.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -13,68 +13,131 @@ const RADIUS_ROUNDS: u32 = 60;
 const LAST_DOUBLE: f64 = 3e-4;
 const LAST_SINGLE: f64 = 2e-2;
 
-/// The same quantity at a point and at its mirror image.
-#[derive(Clone, Copy)]
-pub(super) struct Pair<T>([T; 2]);
+/// The same quantity at several points: some and their mirror images.
+pub(super) trait Points<S>:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Add<S, Output = Self>
+    + Mul<S, Output = Self>
+{
+    /// The same at all points.
+    fn of(value: S) -> Self;
 
-macro_rules! componentwise {
-    ($($operator:ident $method:ident),*) => {
-        $(impl<T: Arithmetic> $operator for Pair<T> {
+    /// Cosines and sines at angles, and at their mirror images.
+    fn around(angles: &[(S, S)]) -> (Self, Self);
+
+    /// `self + a b`.
+    fn plus_product(self, a: Self, b: Self) -> Self;
+
+    /// `self - a b`.
+    fn minus_product(self, a: Self, b: Self) -> Self;
+
+    /// Whether the magnitudes are at most those of a limit.
+    fn is_within(self, limit: Self) -> bool;
+
+    fn greatest(self, other: Self) -> Self;
+
+    fn sum(self) -> S;
+}
+
+/// At an angle and its mirror image.
+#[derive(Clone, Copy)]
+pub(super) struct Pair<S>([S; 2]);
+
+/// At two angles and their mirror images.
+#[derive(Clone, Copy)]
+pub(super) struct Four<S>([S; 4]);
+
+/// At four angles and their mirror images: what one waits for, another computes.
+#[derive(Clone, Copy)]
+pub(super) struct Eight<S>([S; 8]);
+
+// Closures and loops would not be compiled for the vector registers of the caller.
+macro_rules! points {
+    ($name:ident, $($i:literal $angle:literal $sign:tt),*) => {
+        points!(@operators $name, Add add, Sub sub, Mul mul, Div div; $($i),*);
+
+        impl<S: Arithmetic> Neg for $name<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self([$(-self.0[$i]),*])
+            }
+        }
+
+        impl<S: Arithmetic> Points<S> for $name<S> {
+            #[inline(always)]
+            fn of(value: S) -> Self {
+                Self([value; [$($i),*].len()])
+            }
+
+            #[inline(always)]
+            fn around(angles: &[(S, S)]) -> (Self, Self) {
+                (Self([$(points!(@signed $sign angles[$angle].0)),*]), Self([$(angles[$angle].1),*]))
+            }
+
+            #[inline(always)]
+            fn plus_product(self, a: Self, b: Self) -> Self {
+                Self([$(self.0[$i].plus_product(a.0[$i], b.0[$i])),*])
+            }
+
+            #[inline(always)]
+            fn minus_product(self, a: Self, b: Self) -> Self {
+                Self([$(self.0[$i].minus_product(a.0[$i], b.0[$i])),*])
+            }
+
+            #[inline(always)]
+            fn is_within(self, limit: Self) -> bool {
+                true $(& self.0[$i].magnitude().is_at_most(limit.0[$i]))*
+            }
+
+            #[inline(always)]
+            fn greatest(self, other: Self) -> Self {
+                Self([$(self.0[$i].greatest(other.0[$i])),*])
+            }
+
+            #[inline(always)]
+            fn sum(self) -> S {
+                let mut sum = self.0[0] + self.0[1];
+                $(if $i > 1 {
+                    sum = sum + self.0[$i];
+                })*
+                sum
+            }
+        }
+    };
+    (@signed + $value:expr) => { $value };
+    (@signed - $value:expr) => { -$value };
+    (@operators $name:ident, $($operator:ident $method:ident),*; $($i:literal),*) => {
+        points!(@each $name [$($i),*] $($operator $method)*);
+    };
+    (@each $name:ident $i:tt) => {};
+    (@each $name:ident [$($i:literal),*] $operator:ident $method:ident $($others:ident)*) => {
+        impl<S: Arithmetic> $operator for $name<S> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self([self.0[0].$method(other.0[0]), self.0[1].$method(other.0[1])])
+                Self([$(self.0[$i].$method(other.0[$i])),*])
             }
         }
-        impl<T: Arithmetic> $operator<T> for Pair<T> {
+        impl<S: Arithmetic> $operator<S> for $name<S> {
             type Output = Self;
             #[inline(always)]
-            fn $method(self, other: T) -> Self {
-                Self([self.0[0].$method(other), self.0[1].$method(other)])
+            fn $method(self, other: S) -> Self {
+                Self([$(self.0[$i].$method(other)),*])
             }
-        })*
+        }
+        points!(@each $name [$($i),*] $($others)*);
     };
 }
 
-componentwise!(Add add, Sub sub, Mul mul, Div div);
-
-impl<T: Arithmetic> Neg for Pair<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self([-self.0[0], -self.0[1]])
-    }
-}
-
-impl<T: Arithmetic> Pair<T> {
-    #[inline(always)]
-    fn of(value: T) -> Self {
-        Self([value; 2])
-    }
-
-    /// `self + a b`.
-    #[inline(always)]
-    fn plus_product(self, a: Self, b: Self) -> Self {
-        Self([self.0[0].plus_product(a.0[0], b.0[0]), self.0[1].plus_product(a.0[1], b.0[1])])
-    }
-
-    /// `self - a b`.
-    #[inline(always)]
-    fn minus_product(self, a: Self, b: Self) -> Self {
-        Self([self.0[0].minus_product(a.0[0], b.0[0]), self.0[1].minus_product(a.0[1], b.0[1])])
-    }
-
-    /// Whether the magnitudes are at most those of a limit.
-    #[inline(always)]
-    fn is_within(self, limit: Self) -> bool {
-        self.0[0].magnitude().is_at_most(limit.0[0]) & self.0[1].magnitude().is_at_most(limit.0[1])
-    }
-
-    #[inline(always)]
-    pub(super) fn sum(self) -> T {
-        self.0[0] + self.0[1]
-    }
-}
+points!(Pair, 0 0 +, 1 0 -);
+points!(Four, 0 0 +, 1 0 -, 2 1 +, 3 1 -);
+points!(Eight, 0 0 +, 1 0 -, 2 1 +, 3 1 -, 4 2 +, 5 2 -, 6 3 +, 7 3 -);
 
 /// Quantities common to all points of a bent section.
 #[derive(Clone, Copy)]
@@ -128,16 +191,16 @@ impl<T: Arithmetic> Bend<T> {
 
     /// `G = (rho_f^2 - r^2)/2 - cos (rho_f^3 - r^3)/3`, so that `r^2 = rho^2 + 2 k G(r)`.
     #[inline(always)]
-    fn inward_shift(&self, r: Pair<T>, r2: Pair<T>, cos_third: Pair<T>) -> Pair<T> {
-        let within = (Pair::of(self.f2) - r2) * self.k.of(0.5);
-        within.minus_product(cos_third, Pair::of(self.f3).minus_product(r2, r))
+    fn inward_shift<P: Points<T>>(&self, r: P, r2: P, cos_third: P) -> P {
+        let within = (P::of(self.f2) - r2) * self.k.of(0.5);
+        within.minus_product(cos_third, P::of(self.f3).minus_product(r2, r))
     }
 
     /// Imbalance of the isochoric map, `rho^2 + 2 k G(r) - r^2`.
     #[inline(always)]
-    fn off(&self, ring: &Ring<T>, r: Pair<T>, cos_third: Pair<T>) -> Pair<T> {
+    fn off<P: Points<T>>(&self, ring: &Ring<T>, r: P, cos_third: P) -> P {
         let r2 = r * r;
-        Pair::of(ring.square).plus_product(self.inward_shift(r, r2, cos_third), Pair::of(self.k + self.k)) - r2
+        P::of(ring.square).plus_product(self.inward_shift(r, r2, cos_third), P::of(self.k + self.k)) - r2
     }
 
     /// Radii of the deformed points of a ring at the angles of cosines `cos`: the root of the isochoric map.
@@ -145,30 +208,30 @@ impl<T: Arithmetic> Bend<T> {
     /// Its slope in `r^2` is `1 + k h`, at least one. The iteration is Chebyshev's, with two more corrections by the same slope, which
     /// leaves the fifth power of an error; away from the root it is Newton's.
     #[inline(always)]
-    fn deformed_radius(&self, ring: &Ring<T>, cos: Pair<T>) -> Pair<T> {
+    fn deformed_radius<P: Points<T>>(&self, ring: &Ring<T>, cos: P) -> P {
         let k = self.k;
         let (one, half) = (k.of(1.0), k.of(0.5));
         let cos_third = cos * k.of(1.0 / 3.0);
         let [first, second, third] = ring.powers;
-        let share = Pair::of(second).plus_product(cos, Pair::of(third));
-        let share = Pair::of(first).plus_product(share, cos) * cos;
-        let near = share.is_within(Pair::of(half));
-        let (bow, whole) = (share * half, Pair::of(one));
+        let share = P::of(second).plus_product(cos, P::of(third));
+        let share = P::of(first).plus_product(share, cos) * cos;
+        let near = share.is_within(P::of(half));
+        let (bow, whole) = (share * half, P::of(one));
         let guess = whole.plus_product(bow, whole.minus_product(bow * half, whole - bow)) * ring.straight;
-        let mut r = if near { guess } else { Pair::of(ring.straight) };
+        let mut r = if near { guess } else { P::of(ring.straight) };
         let last = k.of(if k.is_single() { LAST_SINGLE } else { LAST_DOUBLE });
         // A derivative settles one step after what it is the derivative of.
         let mut left = T::DERIVATIVES;
         for _ in 0..RADIUS_ROUNDS {
             let bent = cos * r * k;
-            let stretch = Pair::of(one + k) - bent;
-            let inverse = Pair::of(half) / (r * stretch);
+            let stretch = P::of(one + k) - bent;
+            let inverse = P::of(half) / (r * stretch);
             let step = self.off(ring, r, cos_third) * inverse;
             let small = step.is_within(r * k.of(0.1));
             if !small {
                 // The root is positive; a step beyond zero is cut short.
                 let (least, next) = (r * half, r + step);
-                r = Pair([next.0[0].greatest(least.0[0]), next.0[1].greatest(least.0[1])]);
+                r = next.greatest(least);
                 continue;
             }
             let is_last = step.is_within(r * last);
@@ -185,16 +248,22 @@ impl<T: Arithmetic> Bend<T> {
         r
     }
 
+    /// [`density`](Self::density) at the first of some angles and their mirror images, summed.
+    #[inline(always)]
+    pub(super) fn summed<P: Points<T>>(&self, ring: &Ring<T>, angles: &[(T, T)]) -> (T, T) {
+        let (density, curve): (P, P) = self.density(ring, P::around(angles));
+        (density.sum(), curve.sum())
+    }
+
     /// `psi'(J)/mu1 dJ/dk` and its slope in `k`, at points of a ring.
     ///
     /// `g = r_k/r`, `l = lambda_k/lambda`, `k m` the lean of the section, `k eta = p - 1`, `k eps = q - 1`. With `k` taken out of all of
     /// them nothing cancels in a slight bend: both results are sums of what is positive there.
     #[inline(always)]
-    pub(super) fn density(&self, ring: &Ring<T>, cos: T, sin: T) -> (Pair<T>, Pair<T>) {
-        let cos = Pair([cos, -cos]);
+    fn density<P: Points<T>>(&self, ring: &Ring<T>, (cos, sin): (P, P)) -> (P, P) {
         let k = self.k;
         let (one, two, third) = (k.of(1.0), k.of(2.0), k.of(1.0 / 3.0));
-        let (whole, by_k, by_two, by_square) = (Pair::of(one), Pair::of(k), Pair::of(two), Pair::of(ring.inverse));
+        let (whole, by_k, by_two, by_square) = (P::of(one), P::of(k), P::of(two), P::of(ring.inverse));
         let r = self.deformed_radius(ring, cos);
         let r2 = r * r;
         let h = whole.minus_product(cos, r);
@@ -202,8 +271,8 @@ impl<T: Arithmetic> Bend<T> {
         let both = whole / (stretch * r);
         let (per_stretch, per_r) = (both * r, both * stretch);
         let per_r2 = per_r * per_r;
-        let reach = Pair::of(self.f3).minus_product(r2, r);
-        let shift = ((Pair::of(self.f2) - r2) * k.of(0.5)).minus_product(cos * third, reach);
+        let reach = P::of(self.f3).minus_product(r2, r);
+        let shift = ((P::of(self.f2) - r2) * k.of(0.5)).minus_product(cos * third, reach);
 
         let g = shift * per_r2 * per_stretch;
         let (eta, eps) = (shift * (two * ring.inverse), h * (stretch + one));

@@ -5,7 +5,7 @@ extern crate std;
 use std::println;
 use std::vec::Vec;
 
-use super::moment::Bend;
+use super::moment::{Bend, Pair};
 use super::nodes::{Digits, Wall, angles};
 use super::*;
 use crate::number::scalar::Scalar;
@@ -68,9 +68,9 @@ fn by_many(s: &Section<f64>, k: f64) -> [f64; 2] {
             let ring = bend.ring(square);
             for j in 0..count / 2 {
                 let angle = core::f64::consts::PI * (f64::from(j) + 0.5) / f64::from(count);
-                let (density, curve) = bend.density(&ring, angle.cos(), angle.sin());
-                sums[0].add(weight * density.sum());
-                sums[1].add(weight * curve.sum());
+                let (density, curve) = bend.summed::<Pair<f64>>(&ring, &[(angle.cos(), angle.sin())]);
+                sums[0].add(weight * density);
+                sums[1].add(weight * curve);
             }
         }
         (to, width) = (from, (width * 1.5).min(0.5));
