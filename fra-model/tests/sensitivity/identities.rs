@@ -73,12 +73,11 @@ fn close_states(
     what: impl std::fmt::Debug + Copy,
 ) {
     let expected = State::combine([powers, state], |[power, value]| power * value);
+    let scale = State::combine([&found.1, &expected], |[size, expected]| size + expected.abs());
     // What does not change at all has the rounding of the field itself.
-    let scale = State::combine([&found.1, &expected, state], |[size, expected, value]| {
-        size + expected.abs() + 1e-15 * value.abs()
-    });
-    State::combine([&found.0, &expected, &scale], |[found, expected, scale]| {
-        close(found, expected, 1e-11 * scale, what);
+    let tolerance = State::combine([&scale, state], |[scale, value]| 1e-11 * scale + f64::EPSILON * value.abs());
+    State::combine([&found.0, &expected, &tolerance], |[found, expected, tolerance]| {
+        close(found, expected, tolerance, what);
     });
 }
 
