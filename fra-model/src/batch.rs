@@ -4,12 +4,13 @@ use core::array;
 use core::ops::Range;
 
 use crate::actuator::{Actuator, within};
+use crate::number::lanes::{Column, LANES, Lanes};
 use crate::number::real::Real;
 use crate::parameters::InvalidParameter;
 use crate::precision::Precision;
 use crate::solution::{Load, PressureRange, Solution, State, Status, Target};
 use crate::solve::bend::{Bender, MANY, bend_many, meet_many};
-use crate::solve::closed_form::{ClosedForm, Column, Columns, LANES, Lanes};
+use crate::solve::closed_form::{ClosedForm, Columns};
 use crate::solve::size::Size;
 use crate::solve::tube::Tube;
 

@@ -1,9 +1,10 @@
 //! From strains to lengths, angles and volumes of a straight tube.
 
+use crate::number::arithmetic::Arithmetic;
+use crate::number::lanes::{LANES, Lanes};
 use crate::number::real::Real;
 use crate::parameters::ActuatorParameters;
 use crate::solution::State;
-use crate::solve::closed_form::{Arithmetic, LANES, Lanes};
 
 /// Dimensions that convert strains: of one tube, or of several side by side.
 #[derive(Clone, Copy, Debug)]

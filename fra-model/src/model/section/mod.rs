@@ -8,11 +8,12 @@ mod nodes;
 #[cfg(test)]
 mod tests;
 
+use crate::number::arithmetic::Arithmetic;
 use crate::number::dual::Dual;
+use crate::number::lanes::{LANES, Lanes};
 use crate::number::scalar::Scalar;
 use crate::parameters::{ActuatorParameters, Material, shrinks_bends};
 use crate::solution::State;
-use crate::solve::closed_form::{Arithmetic, LANES, Lanes};
 
 use helical::Circle;
 use moment::{Bend, Eight, Four, Pair};

@@ -4,7 +4,7 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::solve::closed_form::Arithmetic;
+use crate::number::arithmetic::Arithmetic;
 
 /// Most rounds of the iteration for the deformed radius.
 const RADIUS_ROUNDS: u32 = 60;

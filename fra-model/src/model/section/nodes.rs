@@ -7,8 +7,8 @@
 
 use core::f64::consts::FRAC_1_SQRT_2;
 
+use crate::number::arithmetic::Arithmetic;
 use crate::number::scalar::Scalar;
-use crate::solve::closed_form::Arithmetic;
 
 const GAUSS_3: [(f64, f64); 3] = [
     (0.0, 0.888_888_888_888_888_8),

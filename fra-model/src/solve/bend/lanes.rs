@@ -8,8 +8,8 @@ use core::array;
 use super::Bender;
 use super::meet::{Meeting, Met, Turn};
 use crate::model::section::{Bent, Digits, EndLoad, MOST_TABLED, Section};
+use crate::number::lanes::Lanes;
 use crate::number::real::Real;
-use crate::solve::closed_form::Lanes;
 
 /// Most benders that are solved together.
 pub(crate) const MANY: usize = 256;

@@ -3,9 +3,9 @@
 //! With every equation multiplied by the power of `lambda` that clears its denominators, the terms of order `n` are products of lower
 //! ones, but for the linear part, which is the matrix at rest. So each order is one solution with that matrix.
 
-use super::arithmetic::Arithmetic;
 use super::kernel::{Constants, Linearised, Norm, Rest, Unknowns};
 use super::path::{CONTRACTION, CORRECTION, Path, SHARE};
+use crate::number::arithmetic::Arithmetic;
 use crate::number::real::{Real, epsilon, real};
 
 /// Orders of the series in double precision.

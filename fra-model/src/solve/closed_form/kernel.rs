@@ -13,7 +13,7 @@
 //! Legend: `D = X_o - 1`, `Lam = ln(X_o (1+w)/(X_o+w))`, `M = 2 D + w Lam + g^2 Q`, `Q = D (X_o+1)/2 + w D`, `p = (r_f/R_f)^2`, `hoop = c + s g rho_f`;
 //! `il`, `ii`, `io` are the inverses of `lambda`, `1 + w`, `X_o + w`.
 
-use super::arithmetic::Arithmetic;
+use crate::number::arithmetic::Arithmetic;
 
 /// The constants of a tube, all without dimension.
 #[derive(Clone, Copy, Debug)]

@@ -1,30 +1,13 @@
 //! The direct way for several actuators side by side: the same steps for all, and a look afterwards at which were certified.
 
 use super::ClosedForm;
-use super::arithmetic::{ATANH_REACH, Arithmetic};
 use super::expansion::{Expansion, ORDERS};
 use super::forward::limits;
 use super::kernel::{Constants, Linearised, Norm, Rest, Unknowns};
 use super::path::{CONTRACTION, CORRECTION, tolerance};
+use crate::number::arithmetic::{ATANH_REACH, Arithmetic};
+use crate::number::lanes::{Column, LANES, Lanes};
 use crate::number::real::{Real, epsilon};
-
-/// Most values side by side.
-pub const LANES: usize = 8;
-
-/// Arithmetic on several floats at once.
-pub trait Lanes<T>: Arithmetic {
-    /// Number of floats, at most [`LANES`].
-    const COUNT: usize;
-
-    /// The first floats of an array; `self` only tells the type.
-    fn load(self, values: &[T; LANES]) -> Self;
-
-    /// Writes to the front of an array.
-    fn store(self, values: &mut [T; LANES]);
-}
-
-/// A number of each of several actuators.
-pub(crate) type Column<T> = [T; LANES];
 
 /// Rounds of corrections that every lane gets.
 const ROUNDS: u32 = 3;

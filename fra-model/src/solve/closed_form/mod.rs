@@ -4,7 +4,6 @@
 //! certificate that the answer is connected to its start. From rest it starts at the sum of the power series of the branch, as far as
 //! steps to it are certified, and mostly answers in one evaluation; or not at all: then the continuation answers.
 
-mod arithmetic;
 mod expansion;
 mod forward;
 mod kernel;
@@ -12,9 +11,7 @@ mod lanes;
 mod path;
 mod warm_start;
 
-pub use arithmetic::{Arithmetic, atanh_series};
-pub(crate) use lanes::{Column, Columns};
-pub use lanes::{LANES, Lanes};
+pub(crate) use lanes::Columns;
 pub(crate) use warm_start::WarmStart;
 
 use nalgebra::Vector3;

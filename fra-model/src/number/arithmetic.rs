@@ -61,7 +61,7 @@ pub trait Arithmetic:
 }
 
 /// `s^2` up to which [`atanh_series`] has the digits of an `f64`.
-pub(super) const ATANH_REACH: f64 = 0.09;
+pub(crate) const ATANH_REACH: f64 = 0.09;
 /// `s^2` up to which the shorter series below have their digits.
 const SHORT_REACH: f64 = 0.0297;
 
