@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use fra_model::{Actuator, InvalidParameter, LANES, PressureRange, Solution, State, Status, Target};
+use fra_model::{Actuator, InvalidParameter, LANES, Motion, PressureRange, Solution, State, Status, Target};
 use softlimb::query::Question;
 use softlimb_limb::batch::ActuatorBatch;
 
@@ -11,7 +11,7 @@ use super::answers::{FEW, Table, in_order, processors};
 use super::arguments::Loads;
 use super::columns::Columns;
 use super::refused::Refusal;
-use super::solve::{CODES, Choice, NUMBERS, Query};
+use super::solve::{Answer, CODES, Choice, NUMBERS, Query};
 
 /// Most answers that a processor takes at a time where a register holds several.
 const PART: usize = 512;
@@ -34,7 +34,7 @@ impl AsRef<[Actuator<f64>]> for Shared {
 /// Actuators with the same number of windings.
 pub(crate) enum Body {
     /// One winding or none.
-    One { actuators: Shared, laid_out: OnceLock<ActuatorBatch<Shared>> },
+    One { actuators: Shared, some_bend: bool, laid_out: OnceLock<ActuatorBatch<Shared>> },
     /// Straight tubes with two windings.
     Two(Vec<Actuator<f64>>),
 }
@@ -61,7 +61,8 @@ impl Body {
             return Ok(Self::Two(tubes?));
         }
         let actuators = in_order(columns.rows(), |row| Actuator::new(&columns.parameters(row)).map_err(refused(row)))?;
-        Ok(Self::One { actuators: Shared(Arc::new(actuators)), laid_out: OnceLock::new() })
+        let some_bend = actuators.iter().any(|actuator| actuator.parameters().motion == Motion::Bending);
+        Ok(Self::One { actuators: Shared(Arc::new(actuators)), some_bend, laid_out: OnceLock::new() })
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -123,8 +124,9 @@ impl Built {
     ) -> Result<Answers, Refusal> {
         let is_plain = rows.loads.are_none() && rows.choice != Choice::SectionFe && rows.count >= VECTORS_FROM;
         match &self.body {
-            Body::One { actuators, laid_out } if is_plain => {
-                self.solve_in_vectors(laid_out.get_or_init(|| laid_out_once(actuators)), rows, question, solve)
+            Body::One { actuators, some_bend, laid_out } if is_plain => {
+                let batch = laid_out.get_or_init(|| laid_out_once(actuators));
+                self.solve_in_vectors(batch, *some_bend, rows, question, solve)
             }
             _ => self.solve_one_by_one(rows, question),
         }
@@ -133,6 +135,7 @@ impl Built {
     fn solve_in_vectors(
         &self,
         batch: &ActuatorBatch<Shared>,
+        some_bend: bool,
         rows: &Rows<'_>,
         question: impl Fn(usize) -> Question<Target<f64>> + Sync,
         solve: impl Fn(
@@ -159,7 +162,12 @@ impl Built {
             let actuators = batch.actuators()[from % group..].iter();
             for (row, (solution, actuator)) in solutions[..count].iter().zip(actuators).enumerate() {
                 let i = from + row;
-                let answer = rows.query(i, question(i)).chosen(actuator, solution, rows.choice);
+                // A look at every straight tube would take as long as its solution.
+                let answer = if some_bend {
+                    rows.query(i, question(i)).chosen(actuator, solution, rows.choice)
+                } else {
+                    Answer::analytic(solution, Some(0.0))
+                };
                 answer.write(piece, row, actuator.parameters(), self.stretch_max(i));
             }
             Ok(())

@@ -144,7 +144,6 @@ impl Query {
     }
 
     /// The answer of the analytic model with its error, or that of finite elements where this is too large.
-    #[inline]
     pub(crate) fn chosen(&self, actuator: &Actuator<f64>, solution: &Solution<f64>, choice: Choice) -> Answer {
         let parameters = actuator.parameters();
         if parameters.motion != Motion::Bending {
