@@ -1,7 +1,7 @@
 """The Python package and the batch in Rust beside the strongest peers: numba on all processors, JAX, and numpy, each with the same equations.
 
     cargo xtask wheel
-    python3 -m venv .venv && .venv/bin/pip install numpy scipy numba jax target/wheels/*.whl
+    python3 -m venv .venv && .venv/bin/pip install numpy scipy numba jax target/python/wheels/*.whl
     .venv/bin/python fra-model/benches/speed_peers.py
 
 All solve the same arrays of actuators in turns, and the fastest of several runs counts. The answers are compared. Nothing else should be running.
@@ -25,12 +25,16 @@ LENGTH_M = 0.1
 YEOH = 0.08, 0.005
 
 
-def actuators(t, motion, fiber, yeoh=(0.0, 0.0)):
+def fields(t, motion, fiber, yeoh=(0.0, 0.0)):
     a, b = yeoh
     silicone = softlimb.Yeoh(c1_pa=t.mu1 / 2, c2_pa=a * t.mu1 / 2, c3_pa=b * t.mu1 / 3) if a else softlimb.NeoHookean(shear_modulus_pa=t.mu1)
     sheet = softlimb.Fiber(angle_rad=t.angle, families=2, modulus_pa=t.mu2, thickness_m=t.thickness) if fiber else None
     sizes = {"inner_radius_m": t.inner, "outer_radius_m": t.outer, "length_m": LENGTH_M}
-    return softlimb.Actuator(motion=motion, material=silicone, fiber=sheet, **sizes)
+    return {"motion": motion, "material": silicone, "fiber": sheet, **sizes}
+
+
+def actuators(*given):
+    return softlimb.Actuator(**fields(*given))
 
 
 class Case:
@@ -68,7 +72,7 @@ def cases(t):
         "numpy": lambda: newton_forward(t, wall_closed())[0],
     })
     yield Case("forward from arrays", {
-        "Python": lambda: actuators(t, "extension", True).forward(t.pressure).axial_stretch,
+        "Python": lambda: softlimb.Actuator.forward_once(t.pressure, **fields(t, "extension", True)).axial_stretch,
         "numba": lambda: compiled.numba_forward(*columns, zero, zero)[0],
         "JAX": lambda: compiled.jax_forward(*columns)[0].block_until_ready(),
         "numpy": lambda: newton_forward(t, wall_closed())[0],

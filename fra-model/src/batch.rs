@@ -132,8 +132,8 @@ impl<T: Real> Answers<T> {
 ///
 /// `groups` are [`Prepared`] from the actuators, [`Lanes::COUNT`] at a time. They are solved side by side by the vector arithmetic that
 /// `token` is a value of. Most take one correction, and are not kept waiting by their neighbours: those that take more are collected
-/// from several groups and solved side by side as well, and what is then left, one by one. Of bending actuators with a hoop winding, the
-/// integrals are taken side by side.
+/// from several groups and solved side by side as well, and what is then left, one by one. Integrals of
+/// bending actuators with a hoop winding are taken side by side.
 ///
 /// # Errors
 /// [`InvalidParameter`] of a pressure that is not finite; the solutions are then of no use.

@@ -20,6 +20,7 @@ __all__ = [
     "__version__",
     "castable_elastomer",
     "castable_elastomers",
+    "forward_once",
     "main",
     "read_log",
     "read_study",
@@ -64,6 +65,14 @@ class Actuators:
     ) -> _Arrays: ...
     def blocked(self, pressures_pa: _Floats, stretches: _Floats, twists_rad: _Floats) -> _Arrays: ...
 
+def forward_once(
+    rows: int,
+    tube: tuple[npt.NDArray[np.generic], ...],
+    windings: list[tuple[npt.NDArray[np.generic], ...]],
+    stretch_max: npt.NDArray[np.generic] | None,
+    pressures_pa: _Floats,
+    loads: tuple[_Floats, _Floats] | None,
+) -> _Arrays: ...
 def castable_elastomers() -> list[_Elastomer]: ...
 def castable_elastomer(name: str) -> _Elastomer: ...
 

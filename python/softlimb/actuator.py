@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from softlimb import _native
 from softlimb.arrays import Codes, FloatLike, Floats, NameLike, floats, frozen
-from softlimb.building import built
+from softlimb.building import built, columns
 from softlimb.errors import InvalidParameter
 from softlimb.material import MaterialLike
 from softlimb.order import Order
@@ -95,9 +95,9 @@ class Actuator:
 
     def __post_init__(self) -> None:
         of_tube = (self.motion, self.inner_radius_m, self.outer_radius_m, self.length_m)
-        native, shape = built(*of_tube, self.material, self.fiber)
-        object.__setattr__(self, "_built", native)
-        object.__setattr__(self, "_shape", shape)
+        fields = columns(*of_tube, self.material, self.fiber)
+        object.__setattr__(self, "_built", built(fields))
+        object.__setattr__(self, "_shape", fields.shape)
         for name in ("motion", "inner_radius_m", "outer_radius_m", "length_m", "material"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
@@ -144,6 +144,51 @@ class Actuator:
             answer = self._built.forward(order["pressure_pa"], order.loads(), model, tolerance)
         except _native.Refused as refused:
             raise order.error(refused) from None
+        return _solution(order, answer)
+
+    @staticmethod
+    def forward_once(
+        pressure_pa: FloatLike,
+        *,
+        motion: NameLike,
+        inner_radius_m: FloatLike,
+        outer_radius_m: FloatLike,
+        length_m: FloatLike,
+        material: MaterialLike,
+        fiber: Fiber | Sequence[Fiber] | None = None,
+        external_force_n: FloatLike = 0.0,
+        external_torque_nm: FloatLike = 0.0,
+        model: ModelName = "auto",
+        tolerance: float = 0.005,
+    ) -> Solution:
+        """Equilibria of actuators that are asked once.
+
+        The answers are those of ``Actuator(...).forward(...)`` up to rounding. Straight actuators with one winding or none are not kept: that takes
+        a fraction of the time and memory.
+
+        Args:
+            pressure_pa: Gauge pressure, Pa, as in :meth:`forward`, like loads, model and tolerance. Broadcasts against the fields.
+            motion: As the attribute, like the other fields.
+
+        Returns:
+            The equilibria, in the shape to which pressures, loads and fields broadcast.
+
+        Raises:
+            InvalidParameter: A value is not accepted.
+            ValueError: Arrays do not broadcast, or a trade name is not known.
+        """
+        arguments = {"pressure_pa": floats("pressure_pa", pressure_pa), **loads(external_force_n, external_torque_nm)}
+        fields = columns(motion, inner_radius_m, outer_radius_m, length_m, material, fiber, arguments)
+        order, tolerance = Order(fields.shape, arguments), _tolerance(tolerance)
+        try:
+            if fields.bends or fields.is_pair or model == "section-fe":
+                answer = built(fields).forward(order["pressure_pa"], order.loads(), model, tolerance)
+            else:
+                tubes = fields.count, fields.tube, fields.windings, fields.stretch_max
+                answer = _native.forward_once(*tubes, order["pressure_pa"], order.loads())
+        except _native.Refused as refused:
+            of_field = refused.args[0] not in arguments
+            raise (fields.error(refused) if of_field else order.error(refused)) from None
         return _solution(order, answer)
 
     def inverse(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -22,15 +23,50 @@ _FAMILIES = {1: 1, 2: 2}
 _OF_A_WINDING = ("angle_rad", "modulus_pa", "thickness_m", "radius_m")
 
 
-def built(
+@dataclass(frozen=True)
+class Fields:
+    """Fields of actuators as flat columns of one value, or of one for each.
+
+    Attributes:
+        shape: Shape of the array of actuators.
+        own: Shape of each field by itself.
+        is_pair: Whether there are two windings.
+        bends: Whether an actuator bends.
+    """
+
+    shape: tuple[int, ...]
+    own: Mapping[str, tuple[int, ...]]
+    tube: tuple[Column, ...]
+    windings: list[tuple[Column, ...]]
+    stretch_max: Column | None
+    is_pair: bool
+    bends: bool
+
+    @property
+    def count(self) -> int:
+        """Number of actuators."""
+        return int(np.prod(self.shape))
+
+    def error(self, refused: _native.Refused) -> InvalidParameter:
+        """A refused value by the name of its field in Python."""
+        name, flat, value, allowed = refused.args
+        name, column = _names(name, self.is_pair)
+        index = np.unravel_index(flat, self.shape) if self.shape else ()
+        own = self.own[column]
+        places = zip(index[len(index) - len(own) :], own, strict=True)
+        return InvalidParameter(name, value, allowed, tuple(int(place) if length > 1 else 0 for place, length in places))
+
+
+def columns(
     motion: NameLike,
     inner_radius_m: FloatLike,
     outer_radius_m: FloatLike,
     length_m: FloatLike,
     material: MaterialLike,
     fiber: Fiber | Sequence[Fiber] | None,
-) -> tuple[_native.Actuators, tuple[int, ...]]:
-    """The native actuators and the shape of their array."""
+    others: Mapping[str, Column] | None = None,
+) -> Fields:
+    """The fields, in the shape to which they and some other arrays broadcast."""
     windings = _windings(fiber)
     of_material = law(material)
     tube: dict[str, Column] = {
@@ -44,18 +80,25 @@ def built(
     wound = {place: _winding(place, winding, tube) for place, winding in windings.items()}
     stretch_max = {} if of_material.stretch_max is None else {"material": of_material.stretch_max}
     fields = {**tube, **{name: column for winding in wound.values() for name, column in winding.items()}}
-    shape = one_shape({**fields, **stretch_max})
+    shape = one_shape({**fields, **stretch_max, **(others or {})})
     flat = {name: _flat(column, shape) for name, column in fields.items()}
+    return Fields(
+        shape=shape,
+        own={name: column.shape for name, column in fields.items()},
+        tube=tuple(flat[name] for name in tube),
+        windings=[tuple(flat[name] for name in winding) for winding in wound.values()],
+        stretch_max=None if of_material.stretch_max is None else _whole(of_material.stretch_max, shape),
+        is_pair=len(windings) > 1,
+        bends=bool(np.any(tube["motion"] == _MOTIONS["bending"])),
+    )
+
+
+def built(fields: Fields) -> _native.Actuators:
+    """The native actuators."""
     try:
-        native = _native.Actuators(
-            int(np.prod(shape)),
-            tuple(flat[name] for name in tube),
-            [tuple(flat[name] for name in winding) for winding in wound.values()],
-            None if of_material.stretch_max is None else _whole(of_material.stretch_max, shape),
-        )
+        return _native.Actuators(fields.count, fields.tube, fields.windings, fields.stretch_max)
     except _native.Refused as refused:
-        raise _refusal(refused, shape, len(windings) > 1) from None
-    return native, shape
+        raise fields.error(refused) from None
 
 
 def _windings(fiber: Fiber | Sequence[Fiber] | None) -> dict[str, Fiber]:
@@ -86,20 +129,18 @@ def _winding(place: str, fiber: Fiber, tube: Mapping[str, Column]) -> dict[str, 
     }
 
 
-def _refusal(refused: _native.Refused, shape: tuple[int, ...], is_pair: bool) -> InvalidParameter:
-    """The error of the model by the names of the fields in Python."""
-    name, flat, value, allowed = refused.args
+def _names(name: str, is_pair: bool) -> tuple[str, str]:
+    """A field of the model by its name in Python, and by that of its column."""
     second = name.removeprefix("second_fiber.")
     if second != name:
         name = f"fiber[1].{second}"
     elif name in _OF_A_WINDING:
         name = f"fiber[0].{name}" if is_pair else f"fiber.{name}"
     elif name == "shear_modulus_pa":
-        name = f"material.{name}"
+        return f"material.{name}", "material.c_pa[0]"
     elif name.startswith("c_pa["):
-        name = f"material.c{int(name[5]) + 1}_pa"
-    index = tuple(int(i) for i in np.unravel_index(flat, shape)) if shape else ()
-    return InvalidParameter(name, value, allowed, index)
+        return f"material.c{int(name[5]) + 1}_pa", f"material.{name}"
+    return name, name
 
 
 def _flat(column: Column, shape: tuple[int, ...]) -> Column:

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use super::answers::{Arrays, in_order};
 use super::arguments::{Loads, choice, parameter, target, values};
-use super::body::{Body, Built};
+use super::body::{Body, Built, forward_of_columns};
 use super::columns::{Columns, Numbers, Tube, Winding};
 use super::derivatives::{Fixed, SensitivityQuery};
 use super::refused::Refusal;
@@ -30,10 +30,7 @@ impl Actuators {
         stretch_max: Option<Numbers<'_>>,
     ) -> PyResult<Self> {
         let columns = Columns::new(rows, &tube, &windings)?;
-        let stretch_max = stretch_max.map(|column| values(&column)).transpose()?;
-        if stretch_max.as_ref().is_some_and(|column| column.len() != rows) {
-            return Err(PyValueError::new_err("a stretch a row, or none"));
-        }
+        let stretch_max = stretches(stretch_max, rows)?;
         Ok(Self { built: Built { body: py.detach(|| Body::new(&columns))?, stretch_max } })
     }
 
@@ -164,6 +161,40 @@ impl Actuators {
     pub(crate) fn list(&self) -> &[Actuator<f64>] {
         self.built.body.actuators()
     }
+}
+
+/// Largest stretches of the tests of elastomers, one a row, or none.
+fn stretches(column: Option<Numbers<'_>>, rows: usize) -> PyResult<Option<Vec<f64>>> {
+    let column = column.map(|column| values(&column)).transpose()?;
+    if column.as_ref().is_some_and(|column| column.len() != rows) {
+        return Err(PyValueError::new_err("a stretch a row, or none"));
+    }
+    Ok(column)
+}
+
+/// Equilibria of straight actuators with one winding or none, each at its own gauge pressure, that are not kept.
+#[pyfunction]
+pub(crate) fn forward_once<'py>(
+    py: Python<'py>,
+    rows: usize,
+    tube: Tube<'_>,
+    windings: Vec<Winding<'_>>,
+    stretch_max: Option<Numbers<'_>>,
+    pressures_pa: Numbers<'_>,
+    loads: Option<(Numbers<'_>, Numbers<'_>)>,
+) -> PyResult<Arrays<'py>> {
+    let columns = Columns::new(rows, &tube, &windings)?;
+    let stretch_max = stretches(stretch_max, rows)?;
+    let (pressures, loads) = (values(&pressures_pa)?, Loads::new(loads, rows)?);
+    if pressures.len() != rows || columns.has_second() {
+        return Err(PyValueError::new_err("a pressure a row, and one winding or none"));
+    }
+    let table = py.detach(|| {
+        Refusal::unless_finite("pressure_pa", &pressures)?;
+        loads.check()?;
+        forward_of_columns(&columns, stretch_max.as_deref(), &pressures, &loads)
+    })?;
+    Ok(table.into_arrays(py))
 }
 
 /// The pressures of a range, or all that there are.

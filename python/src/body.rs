@@ -3,19 +3,22 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use fra_model::{Actuator, InvalidParameter, LANES, Motion, PressureRange, Solution, State, Status, Target};
+use fra_model::{
+    Actuator, ActuatorParameters, InvalidParameter, LANES, Motion, PressureRange, Solution, State, Status, Target,
+};
 use softlimb::query::Question;
+use softlimb_fea::cross_section::is_wound_bender;
 use softlimb_limb::batch::ActuatorBatch;
 
-use super::answers::{FEW, Table, in_order, processors};
+use super::answers::{FEW, Table, in_order};
 use super::arguments::Loads;
 use super::columns::Columns;
 use super::refused::Refusal;
 use super::solve::{Answer, CODES, Choice, NUMBERS, Query};
 
-/// Most answers that a processor takes at a time where a register holds several.
+/// Answers that a processor takes at a time where a register holds several.
 const PART: usize = 512;
-/// Fewest answers that are worth the layout for vectors.
+/// Fewest answers that are worth vectors.
 const VECTORS_FROM: usize = 64;
 
 /// Answers to forward and inverse queries.
@@ -34,10 +37,34 @@ impl AsRef<[Actuator<f64>]> for Shared {
 /// Actuators with the same number of windings.
 pub(crate) enum Body {
     /// One winding or none.
-    One { actuators: Shared, some_bend: bool, laid_out: OnceLock<ActuatorBatch<Shared>> },
+    One { actuators: Shared, kinds: Kinds, in_order: OnceLock<ActuatorBatch<Shared>> },
     /// Straight tubes with two windings.
     Two(Vec<Actuator<f64>>),
 }
+
+/// Motions among actuators.
+#[derive(Clone, Copy)]
+pub(crate) struct Kinds {
+    some_bend: bool,
+    /// Of these, finite elements may answer in place of the analytic model.
+    some_are_wound_benders: bool,
+}
+
+impl Kinds {
+    fn of(actuators: &[Actuator<f64>]) -> Self {
+        let some = |what: fn(&ActuatorParameters<f64>) -> bool| actuators.iter().any(|one| what(one.parameters()));
+        Self {
+            some_bend: some(|parameters| parameters.motion == Motion::Bending),
+            some_are_wound_benders: some(is_wound_bender),
+        }
+    }
+}
+
+/// Solves the actuators of a batch from an index on for a range of rows.
+type SolveRows<'a> = &'a (
+        dyn Fn(&ActuatorBatch<Shared>, usize, Range<usize>, &mut [Solution<f64>]) -> Result<(), InvalidParameter<f64>>
+            + Sync
+    );
 
 /// Actuators with what is known of their elastomers.
 pub(crate) struct Built {
@@ -61,8 +88,8 @@ impl Body {
             return Ok(Self::Two(tubes?));
         }
         let actuators = in_order(columns.rows(), |row| Actuator::new(&columns.parameters(row)).map_err(refused(row)))?;
-        let some_bend = actuators.iter().any(|actuator| actuator.parameters().motion == Motion::Bending);
-        Ok(Self::One { actuators: Shared(Arc::new(actuators)), some_bend, laid_out: OnceLock::new() })
+        let kinds = Kinds::of(&actuators);
+        Ok(Self::One { actuators: Shared(Arc::new(actuators)), kinds, in_order: OnceLock::new() })
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -86,7 +113,7 @@ impl Built {
     pub(crate) fn forward(&self, pressures: &[f64], choice: Choice, loads: &Loads) -> Result<Answers, Refusal> {
         let rows = Rows { count: pressures.len(), choice, loads, range: PressureRange::physical() };
         let question = |i: usize| Question::Forward { pressure_pa: pressures[i] };
-        self.solve(&rows, question, |batch, from, several, solutions| {
+        self.solve(&rows, |_| true, question, &|batch, from, several, solutions| {
             batch.forward_from(from, &pressures[several], solutions)
         })
     }
@@ -104,29 +131,23 @@ impl Built {
     ) -> Result<Answers, Refusal> {
         let rows = Rows { count: targets.len(), choice, loads, range };
         let question = |i: usize| Question::Inverse { target: targets[i] };
-        self.solve(&rows, question, |batch, from, several, solutions| {
+        self.solve(&rows, |kinds| kinds.some_bend, question, &|batch, from, several, solutions| {
             batch.inverse_from(from, &targets[several], &range, solutions)
         })
     }
 
-    /// Queries without load several to a register, others one by one.
+    /// Queries without load several to a register, where that is worth it; others one by one.
     fn solve(
         &self,
         rows: &Rows<'_>,
+        is_worth_it: fn(Kinds) -> bool,
         question: impl Fn(usize) -> Question<Target<f64>> + Sync,
-        solve: impl Fn(
-            &ActuatorBatch<Shared>,
-            usize,
-            Range<usize>,
-            &mut [Solution<f64>],
-        ) -> Result<(), InvalidParameter<f64>>
-        + Sync,
+        solve: SolveRows<'_>,
     ) -> Result<Answers, Refusal> {
         let is_plain = rows.loads.are_none() && rows.choice != Choice::SectionFe && rows.count >= VECTORS_FROM;
         match &self.body {
-            Body::One { actuators, some_bend, laid_out } if is_plain => {
-                let batch = laid_out.get_or_init(|| laid_out_once(actuators));
-                self.solve_in_vectors(batch, *some_bend, rows, question, solve)
+            Body::One { actuators, kinds, in_order } if is_plain && is_worth_it(*kinds) => {
+                self.solve_in_vectors(in_order.get_or_init(|| repeated(actuators)), *kinds, rows, question, solve)
             }
             _ => self.solve_one_by_one(rows, question),
         }
@@ -135,35 +156,30 @@ impl Built {
     fn solve_in_vectors(
         &self,
         batch: &ActuatorBatch<Shared>,
-        some_bend: bool,
+        kinds: Kinds,
         rows: &Rows<'_>,
         question: impl Fn(usize) -> Question<Target<f64>> + Sync,
-        solve: impl Fn(
-            &ActuatorBatch<Shared>,
-            usize,
-            Range<usize>,
-            &mut [Solution<f64>],
-        ) -> Result<(), InvalidParameter<f64>>
-        + Sync,
+        solve: SolveRows<'_>,
     ) -> Result<Answers, Refusal> {
         let group = batch.actuators().len();
-        // A processor that is done early finds another part.
-        let part = (rows.count / (4 * processors())).clamp(FEW, PART).next_multiple_of(batch.lanes());
+        // Parts do not depend on the number of processors: what shares a register decides the last digit.
+        let has_finite_elements = kinds.some_are_wound_benders && matches!(rows.choice, Choice::Auto(_));
+        let part = if has_finite_elements { FEW } else { PART }.next_multiple_of(batch.lanes());
         Table::filled(rows.count, group, part, |piece| {
             let mut solutions = [blank(); PART + LANES];
             let (from, count) = (piece.from, piece.rows());
             let solved = solve(batch, from % group, from..from + count, &mut solutions[..count]);
             if let Err(error) = solved {
                 // The batch tells what it refuses, but not where.
-                let one = |i: usize| rows.query(i, question(i)).of(&batch.actuators()[i % group], rows.choice);
-                let mut refused = (from..from + count).filter_map(|i| Some(Refusal::of_section(i, one(i).err()?)));
+                let one = |i: usize| rows.query(i, question(i)).analytic(&batch.actuators()[i % group]);
+                let mut refused = (from..from + count).filter_map(|i| Some(Refusal::new(i, one(i).err()?)));
                 return Err(refused.next().unwrap_or_else(|| Refusal::new(from, error)));
             }
             let actuators = batch.actuators()[from % group..].iter();
             for (row, (solution, actuator)) in solutions[..count].iter().zip(actuators).enumerate() {
                 let i = from + row;
-                // A look at every straight tube would take as long as its solution.
-                let answer = if some_bend {
+                // Reading the motion of every straight tube would add a seventh to its solution.
+                let answer = if kinds.some_bend {
                     rows.query(i, question(i)).chosen(actuator, solution, rows.choice)
                 } else {
                     Answer::analytic(solution, Some(0.0))
@@ -199,6 +215,29 @@ impl Built {
     }
 }
 
+/// Equilibria of straight actuators that are not kept, each at its own gauge pressure.
+///
+/// # Errors
+/// The first row that the model refuses.
+pub(crate) fn forward_of_columns(
+    columns: &Columns<'_>,
+    stretch_max: Option<&[f64]>,
+    pressures: &[f64],
+    loads: &Loads,
+) -> Result<Answers, Refusal> {
+    Table::filled(pressures.len(), pressures.len(), PART, |piece| {
+        for row in 0..piece.rows() {
+            let i = piece.from + row;
+            let parameters = columns.parameters(i);
+            let solution = Actuator::forward_once(&parameters, pressures[i], &loads.at(i));
+            let solution = solution.map_err(|error| Refusal::new(i, error))?;
+            let answer = Answer::analytic(&solution, Some(0.0));
+            answer.write(piece, row, &parameters, stretch_max.map(|column| column[i]));
+        }
+        Ok(())
+    })
+}
+
 /// Queries but for their questions.
 struct Rows<'a> {
     count: usize,
@@ -213,12 +252,12 @@ impl Rows<'_> {
     }
 }
 
-/// The layout for vectors. A part is filled: fewer actuators are repeated.
-fn laid_out_once(actuators: &Shared) -> ActuatorBatch<Shared> {
+/// Actuators for a batch: fewer than fill a part are repeated.
+fn repeated(actuators: &Shared) -> ActuatorBatch<Shared> {
     let count = actuators.0.len();
     let times = PART.div_ceil(count.max(1));
-    let repeated = || Shared(Arc::new(actuators.0.repeat(times)));
-    ActuatorBatch::new(if times > 1 { repeated() } else { actuators.clone() })
+    let several = || Shared(Arc::new(actuators.0.repeat(times)));
+    ActuatorBatch::new(if times > 1 { several() } else { actuators.clone() })
 }
 
 /// A solution to be overwritten.

@@ -34,7 +34,7 @@ fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use super::actuators::Actuators;
+    use super::actuators::{Actuators, forward_once};
     #[pymodule_export]
     use super::logs::read_log;
     #[pymodule_export]

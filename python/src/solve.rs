@@ -121,7 +121,8 @@ pub(crate) struct Query {
 }
 
 impl Query {
-    fn analytic(&self, actuator: &Actuator<f64>) -> Result<Solution<f64>, InvalidParameter<f64>> {
+    /// The answer of the analytic model.
+    pub(crate) fn analytic(&self, actuator: &Actuator<f64>) -> Result<Solution<f64>, InvalidParameter<f64>> {
         match self.question {
             Question::Forward { pressure_pa } => actuator.forward(pressure_pa, &self.load),
             Question::Inverse { target } => actuator.inverse_within(&self.range, target, &self.load),

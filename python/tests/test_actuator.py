@@ -57,6 +57,84 @@ def test_many_are_answered_as_one_by_one(tube):
         np.testing.assert_allclose(many.volume_m3[i], tube(outer_radius_m=radii[i]).forward(8e3).volume_m3, rtol=1e-11)
 
 
+def test_motions_in_one_array_are_answered_as_one_by_one(tube):
+    """Rows of several parts, each with bending and straight actuators that do not begin at the first one."""
+    motions = np.where(np.arange(70) % 3 == 0, "extension", "bending")
+    radii = np.linspace(7e-3, 9.5e-3, 70)
+    thread = Fiber(angle_rad=np.where(np.arange(70) % 2 == 0, 0.0, 0.05), families=2, modulus_pa=2e7, thickness_m=2e-4)
+    mixed = tube(motion=motions, outer_radius_m=radii, fiber=thread)
+    pressures = np.linspace(2e3, 9e3, 20).reshape(20, 1)
+    many = mixed.forward(pressures, model="analytic")
+    bent = tube(motion="bending", outer_radius_m=radii, fiber=thread)
+    back = bent.inverse(bend_angle_rad=bent.forward(pressures, model="analytic").bend_angle_rad, model="analytic")
+    np.testing.assert_allclose(back.pressure_pa, np.broadcast_to(pressures, (20, 70)), rtol=1e-10)
+    for i in (0, 1, 2, 33, 68, 69):
+        own = Fiber(angle_rad=thread.angle_rad[i], families=2, modulus_pa=2e7, thickness_m=2e-4)
+        one = tube(motion=str(motions[i]), outer_radius_m=radii[i], fiber=own)
+        for j in (0, 7, 19):
+            single = one.forward(pressures[j, 0], model="analytic")
+            for name in ("bend_angle_rad", "axial_stretch", "volume_m3", "compliance_m3_per_pa", "model_error"):
+                np.testing.assert_allclose(getattr(many, name)[j, i], getattr(single, name), rtol=1e-10, err_msg=name)
+
+
+def test_bad_target_among_many_is_named(tube):
+    targets = np.full(1200, 0.3)
+    targets[[530, 1100]] = -0.1, -0.2
+    with pytest.raises(InvalidParameter) as caught:
+        tube(motion="bending").inverse(bend_angle_rad=targets)
+    assert (caught.value.field, caught.value.index, caught.value.value) == ("bend_angle_rad", (530,), -0.1)
+    with pytest.raises(InvalidParameter) as caught:
+        tube(motion="bending", outer_radius_m=np.full(600, 8e-3)).inverse(bend_angle_rad=targets[530:].reshape(-1, 1)[:3])
+    assert (caught.value.field, caught.value.index) == ("bend_angle_rad", (0, 0))
+
+
+WALL = {"motion": "extension", "inner_radius_m": 6e-3, "outer_radius_m": 8e-3, "length_m": 0.1, "material": NeoHookean(shear_modulus_pa=MU)}
+
+
+def once(pressure_pa, **fields):
+    """The answer of an actuator that is asked once, and of one that is built."""
+    others = {name: fields.pop(name) for name in ("external_force_n", "external_torque_nm", "model") if name in fields}
+    built = softlimb.Actuator(**{**WALL, **fields}).forward(pressure_pa, **others)
+    return softlimb.Actuator.forward_once(pressure_pa, **{**WALL, **fields}, **others), built
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"outer_radius_m": np.linspace(7.5e-3, 9e-3, 700).reshape(100, 7)},
+        {"motion": ["twisting", "extension"], "fiber": Fiber(angle_rad=0.3, families=[[1], [2]], modulus_pa=2e7, thickness_m=2e-4)},
+        {"material": Yeoh(c1_pa=86560, c2_pa=13805, c3_pa=-1466.1), "external_force_n": [[0.5], [1.0]]},
+        {"motion": ["bending", "extension"], "inner_radius_m": [[5e-3], [6e-3]]},
+        {"fiber": [Fiber(angle_rad=a, families=1, modulus_pa=2e7, thickness_m=1e-4) for a in (0.4, 1.5)], "motion": "twisting"},
+        {"motion": "bending", "model": "section-fe"},
+        {"material": "Dragon Skin 30"},
+    ],
+)
+def test_asked_once_is_answered_as_built(fields):
+    rows = np.shape(fields.get("outer_radius_m", 0.0))[-1:] or (2,)
+    found, built = once(np.linspace(4e3, 9e3, rows[0]), **fields)
+    assert found.shape == built.shape and (found.status == built.status).all() and found.ok.all()
+    for name in ("pressure_pa", "axial_stretch", "outer_radius_m", "twist_rad", "bend_angle_rad", "volume_m3"):
+        np.testing.assert_allclose(getattr(found, name), getattr(built, name), rtol=1e-13, err_msg=name)
+    np.testing.assert_allclose(found.compliance_m3_per_pa, built.compliance_m3_per_pa, rtol=1e-11)
+    assert found.model.tolist() == built.model.tolist()
+
+
+def test_asked_once_refuses_what_is_refused_when_built():
+    found, built = once([1e3, 1e6])
+    assert found.status.tolist() == built.status.tolist() == [Status.OK, Status.NO_SOLUTION]
+    for fields, pressure_pa, field, index in (
+        ({"outer_radius_m": [[8e-3], [5e-3]]}, [1e3, 2e3, 3e3], "outer_radius_m", (1, 0)),
+        ({"length_m": -1.0}, [1e3, 2e3], "length_m", ()),
+        ({"external_force_n": [[0.0], [np.nan]]}, [1e3, 2e3], "external_force_n", (1, 0)),
+        ({}, [1e3, np.nan], "pressure_pa", (1,)),
+    ):
+        for ask in (once, lambda p, **given: softlimb.Actuator.forward_once(p, **{**WALL, **given})):
+            with pytest.raises(InvalidParameter) as caught:
+                ask(pressure_pa, **fields)
+            assert (caught.value.field, caught.value.index) == (field, index)
+
+
 def test_inverse_undoes_forward(tube):
     bender = tube(motion="bending")
     pressures = np.linspace(5e3, 4e4, 9)

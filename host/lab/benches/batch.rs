@@ -76,7 +76,7 @@ fn main() {
     bends(&rows);
 }
 
-/// Benders of the sample's walls, each at a bend between slight and half a turn per length of twelve diameters.
+/// Benders of the sample's walls, each at `kappa R_o` from 0.02 to 0.35.
 fn bends(rows: &[Vec<f64>]) {
     let bend = |i: usize| 0.02 + 0.33 * (i as f64 * 0.618_033_988_749_895).fract();
     let benders: Vec<_> = rows.iter().map(|row| bender(row)).collect();

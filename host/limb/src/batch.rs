@@ -6,8 +6,8 @@ use std::sync::{Mutex, OnceLock};
 use std::thread;
 
 use fra_model::{
-    Actuator, Arithmetic, InvalidParameter, LANES, Lanes, Prepared, PressureRange, Solution, Target, atanh_series,
-    forward_many, forward_prepared, inverse_many,
+    Actuator, Arithmetic, InvalidParameter, LANES, Lanes, Motion, Prepared, PressureRange, Solution, Target,
+    atanh_series, forward_many, forward_prepared, inverse_many,
 };
 use pulp::{Arch, Simd, WithSimd};
 
@@ -56,20 +56,27 @@ pub fn inverse(
     })
 }
 
-/// Actuators, borrowed or owned, laid out to be solved side by side at any number of pressures.
+/// Actuators, borrowed or owned, to be solved side by side at any number of pressures.
 #[derive(Debug)]
 pub struct ActuatorBatch<A> {
     actuators: A,
     lanes: usize,
-    groups: Vec<Prepared<f64>>,
+    /// Straight tubes in the layout of the vector units, from the first forward solve on; none of actuators that all bend.
+    groups: OnceLock<Vec<Prepared<f64>>>,
 }
 
 impl<A: AsRef<[Actuator<f64>]>> ActuatorBatch<A> {
-    /// Lays the actuators out for the vector units that are there.
+    /// For the vector units that are there.
     pub fn new(actuators: A) -> Self {
-        let lanes = Arch::new().dispatch(Width);
-        let groups = actuators.as_ref().chunks(lanes).map(Prepared::new).collect();
-        Self { actuators, lanes, groups }
+        Self { actuators, lanes: Arch::new().dispatch(Width), groups: OnceLock::new() }
+    }
+
+    fn groups(&self) -> &[Prepared<f64>] {
+        self.groups.get_or_init(|| {
+            let actuators = self.actuators();
+            let all_bend = actuators.iter().all(|actuator| actuator.parameters().motion == Motion::Bending);
+            if all_bend { Vec::new() } else { actuators.chunks(self.lanes).map(Prepared::new).collect() }
+        })
     }
 
     /// The actuators, in order.
@@ -99,7 +106,8 @@ impl<A: AsRef<[Actuator<f64>]>> ActuatorBatch<A> {
         assert!(from.is_multiple_of(self.lanes) && pressures_pa.len() <= solutions.len(), "whole groups");
         let actuators = &self.actuators()[from..from + pressures_pa.len()];
         let groups = from / self.lanes..(from + actuators.len()).div_ceil(self.lanes);
-        Arch::new().dispatch(Batch { prepared: Some(&self.groups[groups]), actuators, pressures_pa, solutions })
+        let prepared = self.groups().get(groups);
+        Arch::new().dispatch(Batch { prepared, actuators, pressures_pa, solutions })
     }
 
     /// [`inverse`] of the actuators from the index `from` on, as many as there are targets, on the calling thread.
@@ -330,7 +338,7 @@ impl<S: Simd> Lanes<f64> for Vector<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Status};
+    use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Placement, Status};
     use std::f64::consts::PI;
 
     fn actuator(i: usize) -> Actuator<f64> {
@@ -390,7 +398,7 @@ mod tests {
         }
     }
 
-    /// Benders: bare ones and such with a hoop or a helix, walls from thin to very thick, laws that stiffen and soften.
+    /// Benders, bare or with a hoop or a helix, walls from thin to very thick, laws that stiffen and soften.
     fn bender(i: usize) -> Actuator<f64> {
         let share = |step: f64| (i as f64 * step).fract();
         let inner_radius_m = 8e-3 * if i.is_multiple_of(40) { 0.05 } else { 0.12 + 0.85 * share(0.618) };
@@ -435,6 +443,8 @@ mod tests {
             let mut solutions = vec![one_by_one[0]; 5000];
             inverse(&benders, &targets, &range, &mut solutions).expect("bends");
             assert_same_bends(&solutions, &one_by_one);
+            let solved = one_by_one.iter().filter(|one| one.status == Status::Solved).count();
+            assert!(solved > if range.least_pa < 0.0 { 4000 } else { 1000 }, "{solved}");
         }
         let pressures_pa: Vec<_> = (0..5000).map(|i| -2e3 + 3e5 * (f64::from(i) * 0.417).fract().powi(3)).collect();
         let one_by_one: Vec<_> = benders
@@ -451,20 +461,21 @@ mod tests {
     fn assert_same_bends(many: &[Solution<f64>], one_by_one: &[Solution<f64>]) {
         let mut worst = [0.0_f64; 3];
         for (i, (a, b)) in many.iter().zip(one_by_one).enumerate() {
-            assert_eq!(a.status, b.status, "{i}: {a:?} {b:?}");
+            assert_eq!((a.status, a.limit_pressure_pa), (b.status, b.limit_pressure_pa), "{i}: {a:?} {b:?}");
             if a.status == Status::Solved {
                 let pairs = [
                     (a.state.pressure_pa, b.state.pressure_pa),
                     (a.state.bend_angle_rad, b.state.bend_angle_rad),
                     (a.state.compliance_m3_per_pa, b.state.compliance_m3_per_pa),
                 ];
-                for (worst, (x, y)) in worst.iter_mut().zip(pairs) {
-                    *worst = worst.max(if x == y { 0.0 } else { (x / y - 1.0).abs() });
+                for ((worst, (x, y)), most) in worst.iter_mut().zip(pairs).zip([2e-14, 2e-14, 1e-13]) {
+                    let off = if x == y { 0.0 } else { (x / y - 1.0).abs() };
+                    assert!(off < most, "{i}: {a:?} {b:?}");
+                    *worst = worst.max(off);
                 }
             }
         }
         println!("{worst:?}");
-        assert!(worst[0] < 2e-14 && worst[1] < 2e-14 && worst[2] < 1e-13, "{worst:?}");
     }
 
     #[test]

@@ -319,7 +319,7 @@ impl<S: Arithmetic> Section<S> {
     fn nearness(&self, k: S) -> S {
         let f2 = self.winding * self.winding;
         let stretch = k.of(1.0) + k;
-        let lumen = f2 - (f2 - self.wall.inner2()) / stretch;
+        let lumen = f2 - (f2 - self.wall.inner2) / stretch;
         let within = f2 * self.winding * k.of(2.0 / 3.0) / lumen;
         k / stretch * within.greatest(self.beyond)
     }
@@ -334,7 +334,7 @@ impl<S: Arithmetic> Section<S> {
         self.wall.radii(k, digits)
     }
 
-    /// What the integrals of sections take, side by side; lengths, moduli and slants are left out.
+    /// Sections side by side, for [`bent_hoop`](Self::bent_hoop) alone: fields that it does not read are zero.
     #[inline(always)]
     pub(crate) fn columns<T: Copy>(token: S, sections: [&Section<T>; LANES]) -> Self
     where
@@ -346,13 +346,13 @@ impl<S: Arithmetic> Section<S> {
             outer_radius_m: zero,
             length_m: zero,
             shear_modulus_pa: zero,
-            inner: column(|one| one.inner),
+            inner: zero,
             winding: column(|one| one.winding),
             a: column(|one| one.a),
             b: column(|one| one.b),
             wall: Wall { inner2: column(|one| one.wall.inner2), excess: column(|one| one.wall.excess) },
             slant: zero,
-            beyond: column(|one| one.beyond),
+            beyond: zero,
         }
     }
 
@@ -362,12 +362,13 @@ impl<S: Arithmetic> Section<S> {
         self.integrated::<false>(k, digits, &tabled(k, count)[..usize::from(count / 2)])
     }
 
-    /// Points of several angles at a time if `WIDE`: a float waits for the ones before it.
+    /// `WIDE`: several angles at a time, since divisions and roots of one point depend on each other.
     #[inline(always)]
     fn integrated<const WIDE: bool>(&self, k: S, digits: Digits, angles: &[(S, S)]) -> Bent<S> {
         let bend = Bend::new(k, self.winding, self.a, self.b);
         let (mut moment, mut slope, mut halves) = (k.of(0.0), k.of(0.0), k.of(0.0));
         angles.iter().for_each(|_| halves = halves + k.of(2.0));
+        // No `for_each`: its closure would not be compiled for the vector registers of the caller.
         let mut panels = self.wall.panels(k, || bend.fold(), digits);
         while let Some(panel) = panels.next() {
             for &(t, weight) in panels.rule() {

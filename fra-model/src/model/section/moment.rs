@@ -52,7 +52,7 @@ pub(super) struct Pair<S>([S; 2]);
 #[derive(Clone, Copy)]
 pub(super) struct Four<S>([S; 4]);
 
-/// At four angles and their mirror images: what one waits for, another computes.
+/// At four angles and their mirror images, which hide each other's latency.
 #[derive(Clone, Copy)]
 pub(super) struct Eight<S>([S; 8]);
 

@@ -181,7 +181,7 @@ struct Equal<S> {
 
 /// How panels follow each other.
 enum Way<S> {
-    /// Equal ones from the inner face: how many are left, inner end of the next, ratio of its radii and that squared, and what `panel` takes.
+    /// Equal ones from the inner face: how many are left, inner end of the next, ratio of its radii and that squared, and what `Panel::new` takes.
     Equal {
         left: u16,
         from: S,
@@ -212,10 +212,6 @@ impl<S: Arithmetic> Wall<S> {
     pub(super) fn new(inner_m: S, outer_m: S) -> Self {
         let inner = inner_m / outer_m;
         Self { inner2: inner * inner, excess: (outer_m - inner_m) / inner_m }
-    }
-
-    pub(super) fn inner2(&self) -> S {
-        self.inner2
     }
 
     /// Calls `f(rho^2, weight)` at the nodes for `int d(rho^2)` that a bend takes; `fold` is where in `rho^2` its map folds.

@@ -22,18 +22,18 @@ struct Wanted<'a, T: Real> {
     section: &'a Section<T>,
     k: T,
     digits: Digits,
-    points: Points,
+    nodes: Nodes,
 }
 
-/// Points of an integral. The order is that of what may share a register, then that of the numbers.
+/// Numbers of nodes of an integral, sorted by rule, then angles, then radii.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Points {
+struct Nodes {
     rule: Rule,
     angles: u8,
     radii: u16,
 }
 
-/// What integrals of one register have in common.
+/// Integration rule, which all integrals of a register share.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Rule {
     Rough,
@@ -56,19 +56,19 @@ impl<'a, T: Real> Wanted<'a, T> {
             (Digits::All, Some(_)) => Rule::Slight,
             (Digits::All, None) => Rule::Graded,
         };
-        let points = Points { rule, angles, radii: radii.unwrap_or(0) };
-        Self { number, section, k, digits, points }
+        let nodes = Nodes { rule, angles, radii: radii.unwrap_or(0) };
+        Self { number, section, k, digits, nodes }
     }
 }
 
 /// Takes integrals, in any order, and passes each with the index of its bender.
 #[inline(always)]
 fn integrate<T: Real, V: Lanes<T>>(token: V, wanted: &mut [Wanted<'_, T>], mut pass: impl FnMut(usize, Bent<T>)) {
-    wanted.sort_unstable_by_key(|one| one.points);
+    wanted.sort_unstable_by_key(|one| one.nodes);
     let mut left = &*wanted;
     while let Some(first) = left.first() {
-        let rule = first.points.rule;
-        let count = left.iter().take(V::COUNT).take_while(|one| one.points.rule == rule).count();
+        let rule = first.nodes.rule;
+        let count = left.iter().take(V::COUNT).take_while(|one| one.nodes.rule == rule).count();
         let (group, others) = left.split_at(count);
         left = others;
         if rule == Rule::Alone {
@@ -81,7 +81,7 @@ fn integrate<T: Real, V: Lanes<T>>(token: V, wanted: &mut [Wanted<'_, T>], mut p
         let lane = |i: usize| &group[i.min(count - 1)];
         let section = Section::columns(token, array::from_fn(|i| lane(i).section));
         let k = token.load(&array::from_fn(|i| lane(i).k));
-        let Bent { moment, slope, .. } = section.bent_hoop(k, first.digits, lane(count).points.angles);
+        let Bent { moment, slope, .. } = section.bent_hoop(k, first.digits, lane(count).nodes.angles);
         let (mut moments, mut slopes) = (array::from_fn(|i| lane(i).k), array::from_fn(|i| lane(i).k));
         moment.store(&mut moments);
         slope.store(&mut slopes);
@@ -111,7 +111,8 @@ pub(crate) fn meet_many<T: Real, V: Lanes<T>>(
         (meeting.next, meeting.digits())
     };
     let Some((mut waiting, mut count)) = waiting(moments, first) else { return };
-    let mut meetings: [_; MANY] = array::from_fn(|i| begin(&moments[i.min(count - 1)]));
+    let last = begin(&moments[count - 1]);
+    let mut meetings: [_; MANY] = array::from_fn(|i| if i + 1 < count { begin(&moments[i]) } else { last });
     for rounds in 1.. {
         let (mut next, mut left) = (waiting, 0);
         integrate(token, &mut waiting[..count], |number, bent| {

@@ -53,11 +53,12 @@ impl<T: Real> Cubic<T> {
     }
 }
 
-/// The way to the bend of a moment that rises throughout: integrals, each where those before it lead.
+/// Root search for the bend of a moment that rises throughout.
 ///
 /// A cubic through the last two bends leads to the next one. The first may be rough, and then are all too large or small by the
 /// same factor, nearly. The last cubic is the answer, with its slope, where the next term of its kind, of the order of
 /// `step^2 whole^2`, and its derivative are below rounding.
+#[derive(Clone, Copy)]
 pub(super) struct Meeting<T> {
     wanted: T,
     before: Bent<T>,
@@ -70,12 +71,12 @@ pub(super) struct Meeting<T> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Stage {
     Rough,
-    /// The first integral to all digits after rough ones.
-    Exact,
-    Last,
+    /// The first integral to all digits after rough ones: it scales the last of them.
+    Rescale,
+    Refine,
 }
 
-/// What an integral leads to.
+/// Outcome of an integral.
 pub(super) enum Turn<T> {
     Again,
     Met(Met<T>),
@@ -88,7 +89,7 @@ impl<T: Real> Meeting<T> {
         let next = if from > T::zero() { from } else { Scalar::min(wanted / straight.slope, real(FIRST)) };
         let double = epsilon::<T>() < real(1e-9);
         let looks_around = double && from == T::zero() && next > real(SLIGHT);
-        let stage = if looks_around { Stage::Rough } else { Stage::Last };
+        let stage = if looks_around { Stage::Rough } else { Stage::Refine };
         Self { wanted, before: *straight, next, stage, rounds: 0 }
     }
 
@@ -99,7 +100,7 @@ impl<T: Real> Meeting<T> {
 
     /// Takes the integral at `next`.
     pub(super) fn take(&mut self, here: Bent<T>) -> Turn<T> {
-        if self.stage == Stage::Exact {
+        if self.stage == Stage::Rescale {
             let factor = here.moment / self.wanted;
             (self.before.moment, self.before.slope) = (self.before.moment * factor, self.before.slope * factor);
         }
@@ -109,11 +110,11 @@ impl<T: Real> Meeting<T> {
             Stage::Rough => {
                 let settled = (found.k - self.next).abs() <= found.k * real(OPEN);
                 if settled || self.rounds == ROUNDS {
-                    (self.stage, self.rounds) = (Stage::Exact, 0);
+                    (self.stage, self.rounds) = (Stage::Rescale, 0);
                 }
             }
-            Stage::Exact => self.stage = Stage::Last,
-            Stage::Last => {
+            Stage::Rescale => self.stage = Stage::Refine,
+            Stage::Refine => {
                 if let Some(met) = arrived(&self.before, &here, &found) {
                     return Turn::Met(met);
                 }
