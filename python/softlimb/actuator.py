@@ -161,10 +161,10 @@ class Actuator:
         model: ModelName = "auto",
         tolerance: float = 0.005,
     ) -> Solution:
-        """Equilibria of actuators that are asked once.
+        """Equilibria of actuators that are solved only once.
 
-        The answers are those of ``Actuator(...).forward(...)`` up to rounding. Straight actuators with one winding or none are not kept: that takes
-        a fraction of the time and memory.
+        The answers are those of ``Actuator(...).forward(...)`` up to rounding. Straight actuators with at most one winding are not built, which
+        takes less time and memory.
 
         Args:
             pressure_pa: Gauge pressure, Pa, as in :meth:`forward`, like loads, model and tolerance. Broadcasts against the fields.

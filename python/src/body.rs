@@ -18,7 +18,7 @@ use super::solve::{Answer, CODES, Choice, NUMBERS, Query};
 
 /// Answers that a processor takes at a time where a register holds several.
 const PART: usize = 512;
-/// Fewest answers that are worth vectors.
+/// Fewest answers for which SIMD pays.
 const VECTORS_FROM: usize = 64;
 
 /// Answers to forward and inverse queries.
@@ -136,7 +136,7 @@ impl Built {
         })
     }
 
-    /// Queries without load several to a register, where that is worth it; others one by one.
+    /// Answers queries without load by SIMD where that is worth it, others one by one.
     fn solve(
         &self,
         rows: &Rows<'_>,
@@ -162,7 +162,7 @@ impl Built {
         solve: SolveRows<'_>,
     ) -> Result<Answers, Refusal> {
         let group = batch.actuators().len();
-        // Parts do not depend on the number of processors: what shares a register decides the last digit.
+        // Independent of the number of processors: neighbors in a register affect the last digit.
         let has_finite_elements = kinds.some_are_wound_benders && matches!(rows.choice, Choice::Auto(_));
         let part = if has_finite_elements { FEW } else { PART }.next_multiple_of(batch.lanes());
         Table::filled(rows.count, group, part, |piece| {

@@ -305,7 +305,7 @@ impl<S: Arithmetic> Panels<S> {
                 let widest = half_power(*away).0.least(one.of(WIDEST - 1.0));
                 *round += 1;
                 let last = *round == GRADED_PANELS || left.is_at_most(widest);
-                // Of several walls side by side, some are through before the others.
+                // Other lanes may have reached their inner face already.
                 let excess = if last { *left } else { left.least(widest) };
                 let ratio = one + excess;
                 let (half, root) = half_power(excess);
@@ -370,7 +370,7 @@ fn rule<S: Arithmetic>(one: S, nodes: u8) -> [(S, S); NODES] {
 /// Most angles of a table.
 pub(crate) const MOST_TABLED: u8 = 16;
 
-/// Cosines and sines of the first half of 2, 4, 6, 8, 10, 12 or 16 angles; what is behind them is to be left out.
+/// Cosines and sines of the first `count / 2` of `count` angles; `count` is 2, 4, 6, 8, 10, 12 or 16. The rest of the array is padding.
 #[inline(always)]
 pub(super) fn tabled<S: Arithmetic>(one: S, count: u8) -> [(S, S); MOST_TABLED as usize / 2] {
     match count {
@@ -384,7 +384,7 @@ pub(super) fn tabled<S: Arithmetic>(one: S, count: u8) -> [(S, S); MOST_TABLED a
     }
 }
 
-/// A table in the scalar, converted while its entries are still constants of the source. The last one fills what is left.
+/// A table in the scalar, converted while its entries are still constants of the source, and padded with its last entry.
 #[inline(always)]
 fn padded<S: Arithmetic, const N: usize, const M: usize>(one: S, table: [(f64, f64); N]) -> [(S, S); M] {
     let table = table.map(|(a, b)| (one.of(a), one.of(b)));

@@ -1,7 +1,6 @@
-//! Bends of several actuators: their integrals are taken side by side, several to a register.
+//! Bends of several actuators, vectorized: each lane integrates one bender.
 //!
-//! Every bender goes its own way from integral to integral, by the same code as one that is solved by itself. Integrals that take about as many
-//! points share a register.
+//! Each bender iterates independently, by the same code as a single one. Integrals with similar numbers of nodes share a register.
 
 use core::array;
 
@@ -61,7 +60,7 @@ impl<'a, T: Real> Wanted<'a, T> {
     }
 }
 
-/// Takes integrals, in any order, and passes each with the index of its bender.
+/// Computes integrals in any order, and passes each with the index of its bender.
 #[inline(always)]
 fn integrate<T: Real, V: Lanes<T>>(token: V, wanted: &mut [Wanted<'_, T>], mut pass: impl FnMut(usize, Bent<T>)) {
     wanted.sort_unstable_by_key(|one| one.nodes);
@@ -77,7 +76,7 @@ fn integrate<T: Real, V: Lanes<T>>(token: V, wanted: &mut [Wanted<'_, T>], mut p
             }
             continue;
         }
-        // Lanes to spare take the last integral once more.
+        // Spare lanes repeat the last integral.
         let lane = |i: usize| &group[i.min(count - 1)];
         let section = Section::columns(token, array::from_fn(|i| lane(i).section));
         let k = token.load(&array::from_fn(|i| lane(i).k));
@@ -133,7 +132,7 @@ pub(crate) fn meet_many<T: Real, V: Lanes<T>>(
     }
 }
 
-/// The first integrals of benders, and their number; the last one fills what is left.
+/// First integrals of benders, padded with the last one, and their number.
 #[inline(always)]
 fn waiting<'a, T: Real>(
     benders: &[(&'a Bender<T>, T)],
