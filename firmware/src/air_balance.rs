@@ -10,7 +10,7 @@ const GAIN_MIN: f32 = 0.3;
 const GAIN_MAX: f32 = 3.0;
 
 /// Doubt about a gain, as a factor either way: before any effect was seen, and once it was seen often.
-const DOUBT_FIRST: f32 = 2.2;
+const DOUBT_FIRST: f32 = 2.0;
 const DOUBT_LEAST: f32 = 1.4;
 
 /// Effects by which the other valve's gain counts more than the own effects: conductances and delays of the two differ.
@@ -44,20 +44,20 @@ impl Gain {
         if other.count > self.count { Self { count: other.count.min(self.count + BORROWED), ..other } } else { self }
     }
 
-    fn doubt(&self, chamber_doubt: f32) -> f32 {
-        DOUBT_FIRST - (DOUBT_FIRST - DOUBT_LEAST) * f32::from(self.count) / f32::from(OFTEN) + chamber_doubt
+    fn doubt(&self, pulse_doubt: f32) -> f32 {
+        DOUBT_FIRST - (DOUBT_FIRST - DOUBT_LEAST) * f32::from(self.count) / f32::from(OFTEN) + pulse_doubt
     }
 
     fn value(&self) -> f32 {
         1.0 + self.beyond_one
     }
 
-    fn least(&self, chamber_doubt: f32) -> f32 {
-        (self.value() / self.doubt(chamber_doubt)).max(GAIN_MIN / (1.0 + chamber_doubt))
+    fn least(&self, pulse_doubt: f32) -> f32 {
+        (self.value() / self.doubt(pulse_doubt)).max(GAIN_MIN / (1.0 + pulse_doubt))
     }
 
-    fn most(&self, chamber_doubt: f32) -> f32 {
-        (self.value() * self.doubt(chamber_doubt)).min(GAIN_MAX * (1.0 + chamber_doubt))
+    fn most(&self, pulse_doubt: f32) -> f32 {
+        (self.value() * self.doubt(pulse_doubt)).min(GAIN_MAX * (1.0 + pulse_doubt))
     }
 }
 
@@ -70,10 +70,12 @@ const CREEP: f32 = 0.15;
 const CREEP_S: [f32; 2] = [1.5, 10.0];
 
 /// Share of a measured change by which the pressure comes back while the air takes the temperature of the wall, at most: `1 - 1/1.4` where none of
-/// the heat was lost before; vented air warms up while its chamber shrinks. Shortest time for it, s.
+/// the heat was lost before; vented air warms up while its chamber shrinks. Shortest time constant of it over the longest one: walls take five times
+/// the least heat at most, 1 W/K. Least time constant, s.
 const COOLING: f32 = 0.29;
 const WARMING: f32 = 0.33;
-const HEAT_S: f32 = 0.1;
+const QUICK_HEAT: f32 = 0.2;
+const HEAT_MIN_S: f32 = 1e-3;
 
 /// Largest rise due after a fall that no valve explains, Pa, and its shortest and longest time constant, s. A limb moved at 2 Hz comes back within
 /// 0.25 s. Each rise also reduces the amount due, so only a part of it is explained.
@@ -83,6 +85,12 @@ const RETURN_S: [f32; 2] = [0.05, 0.5];
 /// Unexplained pressure that is a fault, Pa. Creeping walls and cooling air lower the pressure of a sound chamber; nothing raises it.
 const EXCESS_PA: f32 = 3.0e3;
 const MISSING_PA: f32 = 3.5e3;
+
+/// Fall between closed valves that is no fault, beyond what creep and cooling air take, Pa/s: of a moved chamber, or of noise.
+const LOST_PA_PER_S: f32 = 3e3;
+
+/// Effect of a short pulse on the reading beyond its prediction that shows a kinked hose, Pa.
+const SWING_PA: f32 = 5e3;
 
 /// Unexplained pressure that may be noise, Pa: no due change is spent on it.
 const MARGIN_PA: f32 = 0.6e3;
@@ -98,8 +106,6 @@ const STEP_PA: f32 = 5e3;
 struct Unexplained {
     excess_pa: f32,
     missing_pa: f32,
-    /// Whether the pressure fell so far since the last measurement that the reading is wrong or the chamber has burst.
-    has_jumped: bool,
     /// Rise that is due while vented air warms up, and fall while compressed air cools down.
     warming_pa: f32,
     cooling_pa: f32,
@@ -110,15 +116,8 @@ struct Unexplained {
 }
 
 impl Unexplained {
-    const NONE: Self = Self {
-        excess_pa: 0.0,
-        missing_pa: 0.0,
-        has_jumped: false,
-        warming_pa: 0.0,
-        cooling_pa: 0.0,
-        creep_pa: 0.0,
-        returning_pa: 0.0,
-    };
+    const NONE: Self =
+        Self { excess_pa: 0.0, missing_pa: 0.0, warming_pa: 0.0, cooling_pa: 0.0, creep_pa: 0.0, returning_pa: 0.0 };
 }
 
 /// Measurement of a chamber's pressure.
@@ -130,21 +129,34 @@ pub(crate) struct Measurement {
     pub(crate) step_pa: f32,
     /// Modelled drop from the manifold to the chamber, Pa, signed: 0 once the line has settled.
     pub(crate) drop_pa: f32,
+    /// Time for which the line has been settled, s.
+    pub(crate) settled_s: f32,
     /// Longest time constant with which the air takes the temperature of the wall, s.
     pub(crate) cooling_s: f32,
+    /// Share of a rigid chamber's change by which the pressure comes back meanwhile.
+    pub(crate) heat_share: f32,
 }
 
 /// Balance of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AirBalance {
-    /// Time, us, pressure, Pa, and modelled drop, Pa, of the last measurement.
-    since: Option<(u64, f32, f32)>,
+    /// Time, us modulo 2^32, pressure, Pa, and modelled drop, Pa, of the last measurement.
+    since: Option<(u32, f32, f32)>,
     /// Modelled effects of the pulses since then, >= 0, Pa.
     filled_pa: f32,
     vented_pa: f32,
-    /// The same, each times the doubt about the chamber at its pulse.
+    /// The same, each times the doubt about the chamber and the delay at its pulse.
     doubt_pa: f32,
     unexplained: Unexplained,
+    /// What was lost between closed valves, >= 0, Pa: no gain is in doubt there. The first settled reading since they closed, or the last
+    /// measurement, Pa, if `is_closed`.
+    lost_pa: f32,
+    closed_pa: f32,
+    is_closed: bool,
+    /// Whether the pressure fell so far since the last measurement that the reading is wrong or the chamber has burst.
+    has_jumped: bool,
+    /// Short pulses in a row after which the reading came back from far beyond its prediction.
+    swings: u8,
     fill: Gain,
     vent: Gain,
 }
@@ -157,6 +169,11 @@ impl AirBalance {
             vented_pa: 0.0,
             doubt_pa: 0.0,
             unexplained: Unexplained::NONE,
+            lost_pa: 0.0,
+            closed_pa: 0.0,
+            is_closed: false,
+            has_jumped: false,
+            swings: 0,
             fill: Gain::UNKNOWN,
             vent: Gain::UNKNOWN,
         }
@@ -169,13 +186,13 @@ impl AirBalance {
 
     /// Pressure short of the least that the valves explain, Pa.
     pub fn missing_pa(&self) -> f32 {
-        self.unexplained.missing_pa
+        self.unexplained.missing_pa.max(self.lost_pa)
     }
 
     /// A finding once there is more or less air than any working valves explain.
     pub(crate) fn finding(&self) -> Option<FaultCode> {
-        if self.unexplained.missing_pa > MISSING_PA {
-            Some(if self.unexplained.has_jumped { FaultCode::ReadingJumped } else { FaultCode::MissingAir })
+        if self.missing_pa() > MISSING_PA {
+            Some(if self.has_jumped { FaultCode::ReadingJumped } else { FaultCode::MissingAir })
         } else if self.unexplained.excess_pa > EXCESS_PA {
             Some(FaultCode::ExcessAir)
         } else {
@@ -185,14 +202,34 @@ impl AirBalance {
 
     /// The next measurement is the first: pulses since the last one were cut short.
     pub(crate) fn interrupt(&mut self) {
-        self.since = None;
+        (self.since, self.is_closed) = (None, false);
     }
 
-    /// Takes the modelled effect of a pulse, Pa, signed.
-    pub(crate) fn pulse(&mut self, effect_pa: f32, chamber_doubt: f32) {
+    /// Takes a reading between closed valves, behind a settled line.
+    pub(crate) fn rest(&mut self, pressure_pa: f32) {
+        if !self.is_closed {
+            (self.is_closed, self.closed_pa) = (true, pressure_pa);
+        }
+    }
+
+    /// Takes the modelled effect of a pulse, Pa, signed, and the doubt about its chamber and delay, as a factor beyond one.
+    pub(crate) fn pulse(&mut self, effect_pa: f32, doubt: f32) {
         self.filled_pa += effect_pa.max(0.0);
         self.vented_pa += (-effect_pa).max(0.0);
-        self.doubt_pa += effect_pa.abs() * chamber_doubt;
+        self.doubt_pa += effect_pa.abs() * doubt;
+        if effect_pa != 0.0 {
+            self.is_closed = false;
+        }
+    }
+
+    /// Takes the effect of a short pulse on the reading beyond its prediction, Pa, in the direction of the pulse, and whether the reading still comes
+    /// back when the line should have settled. The second one in a row is a finding: the air of the line enters or leaves the chamber slowly.
+    pub(crate) fn swing(&mut self, excursion_pa: f32, comes_back: bool) {
+        let is_far = comes_back && excursion_pa > SWING_PA;
+        self.swings = if is_far { self.swings.saturating_add(1) } else { 0 };
+        if self.swings > 1 {
+            self.come_to_rest(excursion_pa);
+        }
     }
 
     /// Counts as unexplained the difference between the settled reading and its prediction behind a kinked hose, Pa, signed.
@@ -203,7 +240,7 @@ impl AirBalance {
 
     /// Takes a pressure of the chamber. Behind an open valve the drop, or its change, is in doubt.
     pub(crate) fn measure(&mut self, measurement: &Measurement) {
-        let Measurement { now_us, pressure_pa, step_pa, drop_pa, cooling_s } = *measurement;
+        let Measurement { now_us, pressure_pa, step_pa, drop_pa, settled_s, cooling_s, heat_share } = *measurement;
         if step_pa.abs() > STEP_PA {
             return;
         }
@@ -211,20 +248,20 @@ impl AirBalance {
             if pressure_pa < EMPTY_PA {
                 self.vented_pa = 0.0;
             }
-            let chamber_doubt = self.doubt_pa / (self.filled_pa + self.vented_pa).max(1.0);
+            let pulse_doubt = self.doubt_pa / (self.filled_pa + self.vented_pa).max(1.0);
             // Behind a valve that is wide for its line, the real drop may be zero or double.
             let doubt_pa = (drop_pa - from_drop_pa).abs();
             let risen_pa = pressure_pa - from_pa;
-            let time_s = now_us.saturating_sub(at_us) as u32 as f32 * 1e-6;
+            let time_s = (now_us as u32).wrapping_sub(at_us) as f32 * 1e-6;
             let (fill, vent) = (self.fill.or(self.vent), self.vent.or(self.fill));
-            let most_pa = fill.most(chamber_doubt) * self.filled_pa - vent.least(chamber_doubt) * self.vented_pa;
-            let least_pa = fill.least(chamber_doubt) * self.filled_pa - vent.most(chamber_doubt) * self.vented_pa;
+            let most_pa = fill.most(pulse_doubt) * self.filled_pa - vent.least(pulse_doubt) * self.vented_pa;
+            let least_pa = fill.least(pulse_doubt) * self.filled_pa - vent.most(pulse_doubt) * self.vented_pa;
             let before = self.unexplained;
             // A share of the real effect comes back: of the measured change, which is no more than the valve explains. A valve without effect has none.
-            let fallen_pa = (-risen_pa).max(0.0).min(vent.most(chamber_doubt) * self.vented_pa);
-            let filled_pa = risen_pa.max(0.0).min(fill.most(chamber_doubt) * self.filled_pa);
-            let (mut warming_pa, mut cooling_pa) =
-                (before.warming_pa + WARMING * fallen_pa, before.cooling_pa + COOLING * filled_pa);
+            let fallen_pa = (-risen_pa).max(0.0).min(vent.most(pulse_doubt) * self.vented_pa);
+            let filled_pa = risen_pa.max(0.0).min(fill.most(pulse_doubt) * self.filled_pa);
+            let mut warming_pa = before.warming_pa + WARMING * heat_share * fallen_pa;
+            let mut cooling_pa = before.cooling_pa + COOLING * heat_share * filled_pa;
             let mut creep_pa = (before.creep_pa + CREEP * risen_pa).max(0.0);
             let valves_pa = fill.value() * self.filled_pa - vent.value() * self.vented_pa;
             let mut returning_pa = (before.returning_pa - (risen_pa - valves_pa)).clamp(0.0, RETURN_PA);
@@ -233,7 +270,14 @@ impl AirBalance {
             // While the loop fills, a fill valve that stays open changes nothing, nor does an open vent while it vents.
             let mut excess_pa = before.excess_pa + if drop_pa > 0.0 { 0.0 } else { excess_pa };
             let mut missing_pa = before.missing_pa + if drop_pa < 0.0 { 0.0 } else { missing_pa };
-            let heat_s = [HEAT_S, cooling_s.max(HEAT_S)];
+            let heat_s = [QUICK_HEAT, 1.0].map(|share| (share * cooling_s).max(HEAT_MIN_S));
+            if self.is_closed {
+                let closed_s = settled_s.min(time_s);
+                let due_pa = due_within(cooling_pa, closed_s, heat_s[0]) + due_within(creep_pa, closed_s, CREEP_S[0]);
+                let fallen_pa = self.closed_pa - pressure_pa;
+                self.lost_pa = (self.lost_pa + fallen_pa - due_pa - LOST_PA_PER_S * closed_s).max(0.0);
+                self.closed_pa = pressure_pa;
+            }
             excess_pa -= come_back(&mut warming_pa, excess_pa, time_s, heat_s);
             excess_pa -= come_back(&mut returning_pa, excess_pa, time_s, RETURN_S);
             missing_pa -= come_back(&mut cooling_pa, missing_pa, time_s, heat_s);
@@ -241,17 +285,17 @@ impl AirBalance {
             self.unexplained = Unexplained {
                 excess_pa: excess_pa.max(0.0),
                 missing_pa: missing_pa.max(0.0),
-                has_jumped: risen_pa + vent.most(chamber_doubt) * self.vented_pa + doubt_pa < -MISSING_PA,
                 warming_pa,
                 cooling_pa,
                 creep_pa,
                 returning_pa,
             };
+            self.has_jumped = risen_pa + vent.most(pulse_doubt) * self.vented_pa + doubt_pa < -MISSING_PA;
             if drop_pa == 0.0 && from_drop_pa == 0.0 {
                 self.learn(risen_pa);
             }
         }
-        self.since = Some((now_us, pressure_pa, drop_pa));
+        self.since = Some((now_us as u32, pressure_pa, drop_pa));
         (self.filled_pa, self.vented_pa, self.doubt_pa) = (0.0, 0.0, 0.0);
     }
 
@@ -267,16 +311,32 @@ impl AirBalance {
 
 /// Part of an unexplained pressure that a due change explains, Pa. The due change shrinks with a time constant between two bounds, s.
 fn come_back(due_pa: &mut f32, unexplained_pa: f32, time_s: f32, [shortest_s, longest_s]: [f32; 2]) -> f32 {
-    let most_pa = *due_pa * time_s / (time_s + shortest_s);
-    let least_pa = *due_pa * time_s / (time_s + longest_s);
+    let most_pa = due_within(*due_pa, time_s, shortest_s);
+    let least_pa = due_within(*due_pa, time_s, longest_s);
     let used_pa = (unexplained_pa - MARGIN_PA).max(0.0).min(most_pa);
     *due_pa -= used_pa.max(least_pa);
     used_pa
 }
 
+/// Part of a due change that comes within a time, Pa, with a time constant, s.
+fn due_within(due_pa: f32, time_s: f32, constant_s: f32) -> f32 {
+    due_pa * time_s / (time_s + constant_s)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A reading behind a settled line, but for time and pressure.
+    const SETTLED: Measurement = Measurement {
+        now_us: 0,
+        pressure_pa: 0.0,
+        step_pa: 0.0,
+        drop_pa: 0.0,
+        settled_s: 8e-3,
+        cooling_s: 0.8,
+        heat_share: 1.0,
+    };
 
     /// A balance after periods of 20 ms from 50 kPa on: modelled effect of the pulse and the rise measured after it, Pa.
     fn after(periods: impl IntoIterator<Item = (f32, f32)>) -> AirBalance {
@@ -284,7 +344,7 @@ mod tests {
         let (mut now_us, mut pressure_pa) = (0, 50e3);
         let mut measure = |balance: &mut AirBalance, risen_pa: f32| {
             (now_us, pressure_pa) = (now_us + 20_000, pressure_pa + risen_pa);
-            balance.measure(&Measurement { now_us, pressure_pa, step_pa: 0.0, drop_pa: 0.0, cooling_s: 0.8 });
+            balance.measure(&Measurement { now_us, pressure_pa, ..SETTLED });
         };
         measure(&mut balance, 0.0);
         for (effect_pa, risen_pa) in periods {
@@ -307,6 +367,23 @@ mod tests {
         let balance = after((0..20).map(|_| (3e3, 0.0)));
         assert_eq!(balance.finding(), Some(FaultCode::MissingAir), "{balance:?}");
         assert_eq!(after([(0.0, -12e3)]).finding(), Some(FaultCode::ReadingJumped));
+    }
+
+    #[test]
+    fn fall_between_closed_valves_is_missing_air_whatever_the_pulses_bring() {
+        // Pulses of three times their modelled effect, and a leak that takes all of it: a third while the line is settled.
+        let leaks = |lost_pa: f32| {
+            let mut balance = AirBalance::new();
+            for now_us in (0..400_000).step_by(20_000) {
+                balance.rest(5e3 + lost_pa);
+                balance.measure(&Measurement { now_us: now_us + 20_000, pressure_pa: 5e3, ..SETTLED });
+                balance.pulse(lost_pa, 0.3);
+            }
+            assert!(balance.unexplained.missing_pa < MISSING_PA);
+            balance.finding()
+        };
+        assert_eq!(leaks(300.0), Some(FaultCode::MissingAir));
+        assert_eq!(leaks(20.0), None);
     }
 
     #[test]
@@ -346,13 +423,7 @@ mod tests {
     #[test]
     fn single_sample_far_off_is_left_out() {
         let mut balance = after([(0.0, 0.0)]);
-        balance.measure(&Measurement {
-            now_us: 60_000,
-            pressure_pa: 150e3,
-            step_pa: 100e3,
-            drop_pa: 0.0,
-            cooling_s: 0.8,
-        });
+        balance.measure(&Measurement { now_us: 60_000, pressure_pa: 150e3, step_pa: 100e3, ..SETTLED });
         assert_eq!((balance.finding(), balance.excess_pa()), (None, 0.0));
     }
 
@@ -360,23 +431,11 @@ mod tests {
     fn pressure_behind_an_open_valve_is_judged_with_doubt_about_its_drop() {
         let mut balance = after([]);
         balance.pulse(-1e3, 0.3);
-        balance.measure(&Measurement {
-            now_us: 40_000,
-            pressure_pa: 58e3,
-            step_pa: 0.0,
-            drop_pa: -10e3,
-            cooling_s: 0.8,
-        });
+        balance.measure(&Measurement { now_us: 40_000, pressure_pa: 58e3, drop_pa: -10e3, ..SETTLED });
         assert_eq!(balance.finding(), None, "8 kPa with a doubt of 10");
-        balance.measure(&Measurement {
-            now_us: 60_000,
-            pressure_pa: 62e3,
-            step_pa: 0.0,
-            drop_pa: -10e3,
-            cooling_s: 0.8,
-        });
+        balance.measure(&Measurement { now_us: 60_000, pressure_pa: 62e3, drop_pa: -10e3, ..SETTLED });
         assert_eq!(balance.finding(), Some(FaultCode::ExcessAir));
-        balance.measure(&Measurement { now_us: 80_000, pressure_pa: 54e3, step_pa: 0.0, drop_pa: 0.0, cooling_s: 0.8 });
+        balance.measure(&Measurement { now_us: 80_000, pressure_pa: 54e3, ..SETTLED });
         assert_eq!(balance.finding(), None);
     }
 }

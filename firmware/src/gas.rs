@@ -16,6 +16,9 @@ const POLYTROPIC_EXPONENT: f32 = 1.2;
 const WALL_W_PER_K: f32 = 0.2;
 const HEAT_CAPACITY: f32 = 2.5;
 
+/// Share of the modelled growth of a chamber that is certain.
+const CERTAIN: f32 = 0.5;
+
 /// Doubt about a chamber that takes all of its air by growing; distance from the state of the model at which it may not grow at all, Pa.
 const GROWING: f32 = 0.8;
 const FAR_PA: f32 = 50e3;
@@ -97,6 +100,14 @@ impl Chamber {
         HEAT_CAPACITY * absolute_pa * self.volume_at(pressure_pa) / (temperature_k * WALL_W_PER_K)
     }
 
+    /// Share of a rigid chamber's change by which the pressure comes back while the air takes the temperature of the wall. A chamber that grows
+    /// with its pressure gives a part of it away; half of the modelled growth is certain.
+    pub(crate) fn heat_share(&self, pressure_pa: f32, atmosphere: Absolute) -> f32 {
+        let absolute_pa = Absolute::from_gauge(pressure_pa, atmosphere).pa().max(0.0);
+        let volume_m3 = self.volume_at(pressure_pa);
+        volume_m3 / (volume_m3 + CERTAIN * absolute_pa * self.compliance_m3_per_pa)
+    }
+
     /// `V + n P dV/dP`, m3: the rigid volume that would take the same air.
     fn capacity_m3(&self, pressure_pa: f32, atmosphere: Absolute) -> f32 {
         let absolute = Absolute::from_gauge(pressure_pa, atmosphere).pa();
@@ -109,6 +120,22 @@ mod tests {
     use super::*;
 
     const ATMOSPHERE: Absolute = Absolute::new(101_325.0);
+
+    #[test]
+    fn heat_share_is_an_upper_bound_of_what_comes_back() {
+        let (volume_m3, pressure_pa) = (80e-6, 60e3);
+        let absolute_pa = ATMOSPHERE.pa() + pressure_pa;
+        for compliance_m3_per_pa in [0.0, 0.2e-9, 2e-9] {
+            let (rest_volume_m3, dead_volume_m3) = (volume_m3, 0.0);
+            let chamber = Chamber { pressure_pa, volume_m3, compliance_m3_per_pa, rest_volume_m3, dead_volume_m3 };
+            // Rise of some air without loss of heat, and at the temperature of the wall.
+            let rise = |exponent: f32| exponent / (volume_m3 + exponent * absolute_pa * compliance_m3_per_pa);
+            let comes_back = 1.0 - rise(1.0) / rise(1.4);
+            let share = chamber.heat_share(pressure_pa, ATMOSPHERE);
+            assert!(comes_back <= (1.0 - 1.0 / 1.4) * share * 1.000_01, "{comes_back} {share}");
+            assert!(compliance_m3_per_pa == 0.0 || share < 0.95, "{share}");
+        }
+    }
 
     #[test]
     fn rigid_chamber_follows_the_polytropic_gas_law() {

@@ -34,6 +34,10 @@ const ABOVE_PA: f32 = 900.0;
 const HINDERED_DROPS: f32 = 3.0;
 const HINDERED_PA: f32 = 6e3;
 
+/// Doubt about the opening delay of a valve, as a share of it; largest doubt about the effect of a pulse that comes of it, as a factor beyond one.
+const DELAY_DOUBT: f32 = 0.1;
+const DELAY_DOUBT_MAX: f32 = 0.5;
+
 /// Supply pressure above that of the chamber, Pa: below it a fill valve may let air flow back, and the balance is interrupted.
 const SUPPLY_MIN_PA: f32 = 5e3;
 
@@ -145,6 +149,9 @@ impl PressureLoop {
     pub fn sample(&mut self, now_us: u64, timing: ValveTiming, reading_pa: f32) {
         let settled = self.valves.direction_at(now_us).is_none() && !self.is_line_moving(now_us, timing);
         self.fine.sample(settled.then_some(reading_pa));
+        if settled {
+            self.balance.rest(reading_pa);
+        }
     }
 
     /// Whether the sample of this tick is fit for a decision: valves closed and line settled, or open from the last period on.
@@ -164,6 +171,11 @@ impl PressureLoop {
         self.closed_for_us(now_us, timing) < SETTLE_MAX_US
     }
 
+    /// Time for which the line has been settled, us.
+    fn settled_for_us(&self, now_us: u64, timing: ValveTiming) -> u32 {
+        self.closed_for_us(now_us, timing).saturating_sub(SETTLE_MAX_US)
+    }
+
     /// Time for which the valves have been closed, us.
     fn closed_for_us(&self, now_us: u64, timing: ValveTiming) -> u32 {
         let closed_at_us = self.valves.closed_at_us().saturating_add(u64::from(timing.off_delay_us));
@@ -180,14 +192,20 @@ impl PressureLoop {
         let resting = near && sample == Sample::Settled && input.sensor_trusted && input.may_fill;
         let pressure_pa = self.chamber_pressure_pa(input, sample, modelled_drop_pa, resting);
         let last_pulse = self.last.and_then(|last| last.pulse);
-        let hindered_pa = self.learn(input, pressure_pa, sample);
         let settles = sample == Sample::Settled && self.settles(input.sensor_step_pa, last_pulse);
+        if let Some(excursion_pa) = self.excursion_pa(pressure_pa, sample) {
+            self.balance.swing(excursion_pa, settles);
+        }
+        let hindered_pa = self.learn(input, pressure_pa, sample);
         if !matches!(sample, Sample::Opening(_)) && input.sensor_trusted && !settles {
             let drop_pa = if sample == Sample::Settled { 0.0 } else { input.sensor_pa - pressure_pa };
             let (now_us, step_pa) = (input.now_us, input.sensor_step_pa);
             let pneumatics = input.pneumatics;
             let cooling_s = input.chamber.cooling_s(pressure_pa, pneumatics.atmosphere, pneumatics.temperature_k);
-            self.balance.measure(&Measurement { now_us, pressure_pa, step_pa, drop_pa, cooling_s });
+            let heat_share = input.chamber.heat_share(pressure_pa, pneumatics.atmosphere);
+            let settled_s = self.settled_for_us(now_us, pneumatics.timing) as f32 * 1e-6;
+            let measurement = Measurement { now_us, pressure_pa, step_pa, drop_pa, settled_s, cooling_s, heat_share };
+            self.balance.measure(&measurement);
         }
         if let Some(beyond_pa) = hindered_pa {
             self.balance.come_to_rest(beyond_pa);
@@ -206,7 +224,7 @@ impl PressureLoop {
         if plan.direction == Some(Direction::Fill) && input.supply_pa < pressure_pa + SUPPLY_MIN_PA {
             self.balance.interrupt();
         }
-        self.balance.pulse(plan.modelled_pa, input.chamber.doubt(pressure_pa, input.pneumatics.atmosphere));
+        self.balance.pulse(plan.modelled_pa, doubt(input, pressure_pa, plan.coil_us));
         self.last = Some(Decision {
             at_us: input.now_us,
             pressure_pa,
@@ -233,6 +251,13 @@ impl PressureLoop {
             Some(Direction::Vent) => step_pa > STILL_PA,
             None => false,
         }
+    }
+
+    /// Effect of a short pulse on the reading beyond its prediction, Pa, in the direction of the pulse.
+    fn excursion_pa(&self, pressure_pa: f32, sample: Sample) -> Option<f32> {
+        let last = self.last.filter(|last| last.sample == Sample::Settled && sample == Sample::Settled)?;
+        let innovation_pa = pressure_pa - self.reckoned_pa(&last);
+        Some(if last.pulse? == Direction::Fill { innovation_pa } else { -innovation_pa })
     }
 
     /// The valve that is still open from the last period.
@@ -349,12 +374,11 @@ impl PressureLoop {
         let (before_pa, up_pa, down_pa) = (pressure_pa, fill.change_pa, -vent.change_pa);
         // The bias is the effect of the pair beyond the requested change.
         self.fine.begin(Pair { before_pa, desired_pa: requested_pa, up_pa, down_pa });
-        let chamber_doubt = input.chamber.doubt(pressure_pa, input.pneumatics.atmosphere);
-        // The balance takes modelled effects: without the gain.
-        self.balance.pulse(up_pa / fill.gain, chamber_doubt);
-        self.balance.pulse(-down_pa / vent.gain, chamber_doubt);
         let up = fill.plan(false);
         let down = vent.plan(false);
+        // The balance takes modelled effects: without the gain.
+        self.balance.pulse(up_pa / fill.gain, doubt(input, pressure_pa, up.coil_us));
+        self.balance.pulse(-down_pa / vent.gain, doubt(input, pressure_pa, down.coil_us));
         self.valves.pair(input.now_us, (Direction::Fill, up.coil_us), (Direction::Vent, down.coil_us));
         Plan { direction: None, ..Plan::NOTHING }
     }
@@ -385,6 +409,14 @@ impl PressureLoop {
             rest_us: reference.rest_us(input.now_us),
         }
     }
+}
+
+/// Doubt about the effect of a pulse, as a factor beyond one: of the chamber, and of the delay, which counts most in a short pulse.
+fn doubt(input: &LoopInput, pressure_pa: f32, coil_us: u32) -> f32 {
+    let ValveTiming { on_delay_us, off_delay_us } = input.pneumatics.timing;
+    let open_us = coil_us.saturating_add(off_delay_us).saturating_sub(on_delay_us).max(1);
+    let of_delay = (DELAY_DOUBT * on_delay_us as f32 / open_us as f32).min(DELAY_DOUBT_MAX);
+    input.chamber.doubt(pressure_pa, input.pneumatics.atmosphere) + of_delay
 }
 
 impl Default for PressureLoop {
