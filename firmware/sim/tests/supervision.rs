@@ -168,7 +168,7 @@ fn sound_plants_raise_no_fault() {
             channel.creep_share = 0.15;
             channel.wall_w_per_k = [0.25, 0.5, 1.0][(seed as usize / 2 + index) % 3];
             channel.leak_m3_per_s_pa = 1e-12;
-            let amplitude_m3 = if (seed as usize + index) % 2 == 0 { 0.7e-6 } else { 0.0 };
+            let amplitude_m3 = if (seed as usize + index).is_multiple_of(2) { 0.7e-6 } else { 0.0 };
             channel.motion = MotionSettings { amplitude_m3, frequency_hz: 2.0 };
         }
         let turn = seed as f64;
