@@ -49,20 +49,20 @@ impl Gain {
         }
     }
 
-    fn doubt(&self, chamber_doubt: f32) -> f32 {
-        DOUBT_FIRST - (DOUBT_FIRST - DOUBT_LEAST) * f32::from(self.count) / f32::from(OFTEN) + chamber_doubt
+    fn doubt(&self, pulse_doubt: f32) -> f32 {
+        DOUBT_FIRST - (DOUBT_FIRST - DOUBT_LEAST) * f32::from(self.count) / f32::from(OFTEN) + pulse_doubt
     }
 
     fn value(&self) -> f32 {
         1.0 + self.beyond_one
     }
 
-    fn least(&self, chamber_doubt: f32) -> f32 {
-        (self.value() / self.doubt(chamber_doubt)).max(GAIN_MIN / (1.0 + chamber_doubt))
+    fn least(&self, pulse_doubt: f32) -> f32 {
+        (self.value() / self.doubt(pulse_doubt)).max(GAIN_MIN / (1.0 + pulse_doubt))
     }
 
-    fn most(&self, chamber_doubt: f32) -> f32 {
-        (self.value() * self.doubt(chamber_doubt)).min(GAIN_MAX * (1.0 + chamber_doubt))
+    fn most(&self, pulse_doubt: f32) -> f32 {
+        (self.value() * self.doubt(pulse_doubt)).min(GAIN_MAX * (1.0 + pulse_doubt))
     }
 }
 
@@ -150,7 +150,7 @@ pub struct AirBalance {
     /// Modelled effects of the pulses since then, >= 0, Pa.
     filled_pa: f32,
     vented_pa: f32,
-    /// The same, each times the doubt about the chamber at its pulse.
+    /// The same, each times the doubt about the chamber and the delay at its pulse.
     doubt_pa: f32,
     unexplained: Unexplained,
     /// What was lost between closed valves, >= 0, Pa: no gain is in doubt there. The first settled reading since they closed, or the last
@@ -217,11 +217,11 @@ impl AirBalance {
         }
     }
 
-    /// Takes the modelled effect of a pulse, Pa, signed.
-    pub(crate) fn pulse(&mut self, effect_pa: f32, chamber_doubt: f32) {
+    /// Takes the modelled effect of a pulse, Pa, signed, and the doubt about its chamber and delay, as a factor beyond one.
+    pub(crate) fn pulse(&mut self, effect_pa: f32, doubt: f32) {
         self.filled_pa += effect_pa.max(0.0);
         self.vented_pa += (-effect_pa).max(0.0);
-        self.doubt_pa += effect_pa.abs() * chamber_doubt;
+        self.doubt_pa += effect_pa.abs() * doubt;
         if effect_pa != 0.0 {
             self.is_closed = false;
         }
@@ -253,18 +253,18 @@ impl AirBalance {
             if pressure_pa < EMPTY_PA {
                 self.vented_pa = 0.0;
             }
-            let chamber_doubt = self.doubt_pa / (self.filled_pa + self.vented_pa).max(1.0);
+            let pulse_doubt = self.doubt_pa / (self.filled_pa + self.vented_pa).max(1.0);
             // Behind a valve that is wide for its line, the real drop may be zero or double.
             let doubt_pa = (drop_pa - from_drop_pa).abs();
             let risen_pa = pressure_pa - from_pa;
             let time_s = (now_us as u32).wrapping_sub(at_us) as f32 * 1e-6;
             let (fill, vent) = (self.fill.or(self.vent), self.vent.or(self.fill));
-            let most_pa = fill.most(chamber_doubt) * self.filled_pa - vent.least(chamber_doubt) * self.vented_pa;
-            let least_pa = fill.least(chamber_doubt) * self.filled_pa - vent.most(chamber_doubt) * self.vented_pa;
+            let most_pa = fill.most(pulse_doubt) * self.filled_pa - vent.least(pulse_doubt) * self.vented_pa;
+            let least_pa = fill.least(pulse_doubt) * self.filled_pa - vent.most(pulse_doubt) * self.vented_pa;
             let before = self.unexplained;
             // A share of the real effect comes back: of the measured change, which is no more than the valve explains. A valve without effect has none.
-            let fallen_pa = (-risen_pa).max(0.0).min(vent.most(chamber_doubt) * self.vented_pa);
-            let filled_pa = risen_pa.max(0.0).min(fill.most(chamber_doubt) * self.filled_pa);
+            let fallen_pa = (-risen_pa).max(0.0).min(vent.most(pulse_doubt) * self.vented_pa);
+            let filled_pa = risen_pa.max(0.0).min(fill.most(pulse_doubt) * self.filled_pa);
             let mut warming_pa = before.warming_pa + WARMING * heat_share * fallen_pa;
             let mut cooling_pa = before.cooling_pa + COOLING * heat_share * filled_pa;
             let mut creep_pa = (before.creep_pa + CREEP * risen_pa).max(0.0);
@@ -295,7 +295,7 @@ impl AirBalance {
                 creep_pa,
                 returning_pa,
             };
-            self.has_jumped = risen_pa + vent.most(chamber_doubt) * self.vented_pa + doubt_pa < -MISSING_PA;
+            self.has_jumped = risen_pa + vent.most(pulse_doubt) * self.vented_pa + doubt_pa < -MISSING_PA;
             if drop_pa == 0.0 && from_drop_pa == 0.0 {
                 self.learn(risen_pa);
             }

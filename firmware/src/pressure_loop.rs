@@ -34,6 +34,10 @@ const ABOVE_PA: f32 = 900.0;
 const HINDERED_DROPS: f32 = 3.0;
 const HINDERED_PA: f32 = 6e3;
 
+/// Doubt about the opening delay of a valve, as a share of it; largest doubt about the effect of a pulse that comes of it, as a factor beyond one.
+const DELAY_DOUBT: f32 = 0.1;
+const DELAY_DOUBT_MAX: f32 = 0.5;
+
 /// Supply pressure above that of the chamber, Pa: below it a fill valve may let air flow back, and the balance is interrupted.
 const SUPPLY_MIN_PA: f32 = 5e3;
 
@@ -220,7 +224,7 @@ impl PressureLoop {
         if plan.direction == Some(Direction::Fill) && input.supply_pa < pressure_pa + SUPPLY_MIN_PA {
             self.balance.interrupt();
         }
-        self.balance.pulse(plan.modelled_pa, input.chamber.doubt(pressure_pa, input.pneumatics.atmosphere));
+        self.balance.pulse(plan.modelled_pa, doubt(input, pressure_pa, plan.coil_us));
         self.last = Some(Decision {
             at_us: input.now_us,
             pressure_pa,
@@ -370,12 +374,11 @@ impl PressureLoop {
         let (before_pa, up_pa, down_pa) = (pressure_pa, fill.change_pa, -vent.change_pa);
         // The bias is the effect of the pair beyond the requested change.
         self.fine.begin(Pair { before_pa, desired_pa: requested_pa, up_pa, down_pa });
-        let chamber_doubt = input.chamber.doubt(pressure_pa, input.pneumatics.atmosphere);
-        // The balance takes modelled effects: without the gain.
-        self.balance.pulse(up_pa / fill.gain, chamber_doubt);
-        self.balance.pulse(-down_pa / vent.gain, chamber_doubt);
         let up = fill.plan(false);
         let down = vent.plan(false);
+        // The balance takes modelled effects: without the gain.
+        self.balance.pulse(up_pa / fill.gain, doubt(input, pressure_pa, up.coil_us));
+        self.balance.pulse(-down_pa / vent.gain, doubt(input, pressure_pa, down.coil_us));
         self.valves.pair(input.now_us, (Direction::Fill, up.coil_us), (Direction::Vent, down.coil_us));
         Plan { direction: None, ..Plan::NOTHING }
     }
@@ -406,6 +409,14 @@ impl PressureLoop {
             rest_us: reference.rest_us(input.now_us),
         }
     }
+}
+
+/// Doubt about the effect of a pulse, as a factor beyond one: of the chamber, and of the delay, which counts most in a short pulse.
+fn doubt(input: &LoopInput, pressure_pa: f32, coil_us: u32) -> f32 {
+    let ValveTiming { on_delay_us, off_delay_us } = input.pneumatics.timing;
+    let open_us = coil_us.saturating_add(off_delay_us).saturating_sub(on_delay_us).max(1);
+    let of_delay = (DELAY_DOUBT * on_delay_us as f32 / open_us as f32).min(DELAY_DOUBT_MAX);
+    input.chamber.doubt(pressure_pa, input.pneumatics.atmosphere) + of_delay
 }
 
 impl Default for PressureLoop {
