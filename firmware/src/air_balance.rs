@@ -13,8 +13,8 @@ const GAIN_MAX: f32 = 3.0;
 const DOUBT_FIRST: f32 = 2.0;
 const DOUBT_LEAST: f32 = 1.4;
 
-/// Number of own effects from which on the other valve's gain tells nothing more, and that it is worth at most before: conductances and delays of
-/// the two differ.
+/// Number of own effects from which on a gain counts alone. Before, the other valve's gain counts, as if known from so many effects more: conductances
+/// and delays of the two differ.
 const BORROWED: u8 = 3;
 
 /// Number of effects after which the doubt is least; smallest effect that counts, Pa; share of an innovation that a gain takes, before and after.
@@ -75,8 +75,8 @@ const CREEP: f32 = 0.15;
 const CREEP_S: [f32; 2] = [1.5, 10.0];
 
 /// Share of a measured change by which the pressure comes back while the air takes the temperature of the wall, at most: `1 - 1/1.4` where none of
-/// the heat was lost before; vented air warms up while its chamber shrinks. Shortest time constant of it over the longest one: walls take five times
-/// the least heat at most, 1 W/K. Least time constant, s.
+/// the heat was lost before; vented air warms up while its chamber shrinks. Ratio of the shortest to the longest time constant: from 1 W/K to 0.2 W/K.
+/// Least time constant, s.
 const COOLING: f32 = 0.29;
 const WARMING: f32 = 0.33;
 const QUICK_HEAT: f32 = 0.2;
