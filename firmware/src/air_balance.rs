@@ -13,8 +13,8 @@ const GAIN_MAX: f32 = 3.0;
 const DOUBT_FIRST: f32 = 2.0;
 const DOUBT_LEAST: f32 = 1.4;
 
-/// Number of own effects from which on a gain counts alone. Before, the other valve's gain counts, as if known from so many effects more: conductances
-/// and delays of the two differ.
+/// Own effects from which on a valve's gain stands alone. With fewer, the other valve's gain is used, with a count of so many more than the own
+/// effects at most: conductances and delays of the two differ.
 const BORROWED: u8 = 3;
 
 /// Number of effects after which the doubt is least; smallest effect that counts, Pa; share of an innovation that a gain takes, before and after.
@@ -97,6 +97,9 @@ const LOST_PA_PER_S: f32 = 3e3;
 /// Effect of a short pulse on the reading beyond its prediction that shows a kinked hose, Pa.
 const SWING_PA: f32 = 5e3;
 
+/// Such pulses in a row that are a finding: the loop has then learned a gain of two.
+const SWINGS: u8 = 3;
+
 /// Unexplained pressure that may be noise, Pa: no due change is spent on it.
 const MARGIN_PA: f32 = 0.6e3;
 
@@ -153,10 +156,11 @@ pub struct AirBalance {
     /// The same, each times the doubt about the chamber and the delay at its pulse.
     doubt_pa: f32,
     unexplained: Unexplained,
-    /// What was lost between closed valves, >= 0, Pa: no gain is in doubt there. The first settled reading since they closed, or the last
-    /// measurement, Pa, if `is_closed`.
+    /// What was lost between closed valves, >= 0, Pa: no gain is in doubt there.
     lost_pa: f32,
+    /// Reading from which the next fall between closed valves is counted, Pa; only while `is_closed`.
     closed_pa: f32,
+    /// Whether the valves have been closed since that reading.
     is_closed: bool,
     /// Whether the pressure fell so far since the last measurement that the reading is wrong or the chamber has burst.
     has_jumped: bool,
@@ -205,12 +209,18 @@ impl AirBalance {
         }
     }
 
-    /// The next measurement is the first: pulses since the last one were cut short.
+    /// The next measurement is the first: the effects of pulses since the last one are unknown.
     pub(crate) fn interrupt(&mut self) {
         (self.since, self.is_closed) = (None, false);
     }
 
-    /// Takes a reading between closed valves, behind a settled line.
+    /// The same where the loop has ended.
+    pub(crate) fn end(&mut self) {
+        self.interrupt();
+        self.swings = 0;
+    }
+
+    /// Takes a reading between closed valves, behind a settled line, that stands.
     pub(crate) fn rest(&mut self, pressure_pa: f32) {
         if !self.is_closed {
             (self.is_closed, self.closed_pa) = (true, pressure_pa);
@@ -228,11 +238,11 @@ impl AirBalance {
     }
 
     /// Takes the effect of a short pulse on the reading beyond its prediction, Pa, in the direction of the pulse, and whether the reading still comes
-    /// back when the line should have settled. The second one in a row is a finding: the air of the line enters or leaves the chamber slowly.
+    /// back when the line should have settled. The third one in a row is excess air, whatever the valve: the air of the line moves slowly.
     pub(crate) fn swing(&mut self, excursion_pa: f32, comes_back: bool) {
         let is_far = comes_back && excursion_pa > SWING_PA;
         self.swings = if is_far { self.swings.saturating_add(1) } else { 0 };
-        if self.swings > 1 {
+        if self.swings >= SWINGS {
             self.come_to_rest(excursion_pa);
         }
     }
@@ -281,7 +291,6 @@ impl AirBalance {
                 let due_pa = due_within(cooling_pa, closed_s, heat_s[0]) + due_within(creep_pa, closed_s, CREEP_S[0]);
                 let fallen_pa = self.closed_pa - pressure_pa;
                 self.lost_pa = (self.lost_pa + fallen_pa - due_pa - LOST_PA_PER_S * closed_s).max(0.0);
-                self.closed_pa = pressure_pa;
             }
             excess_pa -= come_back(&mut warming_pa, excess_pa, time_s, heat_s);
             excess_pa -= come_back(&mut returning_pa, excess_pa, time_s, RETURN_S);
@@ -301,6 +310,7 @@ impl AirBalance {
             }
         }
         self.since = Some((now_us as u32, pressure_pa, drop_pa));
+        self.closed_pa = pressure_pa;
         (self.filled_pa, self.vented_pa, self.doubt_pa) = (0.0, 0.0, 0.0);
     }
 

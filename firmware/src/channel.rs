@@ -310,7 +310,7 @@ impl Channel {
     /// the predicted pulses.
     fn pulse(&mut self, context: &TickContext, config: &ChannelConfig, may_fill: bool) -> ValvePulse {
         let (now_us, pneumatics) = (context.now_us, &context.system.pneumatics);
-        self.control.sample(now_us, pneumatics.timing, self.sensor.pressure_pa());
+        self.control.sample(now_us, pneumatics.timing, self.sensor.pressure_pa(), self.sensor.step_pa());
         if let Some(reference) = self.reference {
             let trusted = self.is_sensor_trusted();
             let is_chosen = |kind: PressureLoopKind| may_fill && trusted && context.system.pressure_loop == kind;

@@ -90,8 +90,8 @@ impl Chamber {
     /// Doubt about the rise that some air causes, as a factor beyond one. The chamber grows with a part of the air, and otherwise than modelled far from its state.
     pub(crate) fn doubt(&self, pressure_pa: f32, atmosphere: Absolute) -> f32 {
         let rigid_share = self.volume_at(pressure_pa) / self.capacity_m3(pressure_pa, atmosphere);
-        let far = ((pressure_pa - self.pressure_pa).abs() / FAR_PA).min(1.0);
-        GROWING * (1.0 - rigid_share) + far * (self.capacity_m3(pressure_pa, atmosphere) / self.rest_volume_m3 - 1.0)
+        GROWING * (1.0 - rigid_share)
+            + self.far(pressure_pa) * (self.capacity_m3(pressure_pa, atmosphere) / self.rest_volume_m3 - 1.0)
     }
 
     /// Longest time constant with which the air takes the temperature of the wall, s.
@@ -101,11 +101,17 @@ impl Chamber {
     }
 
     /// Share of a rigid chamber's change by which the pressure comes back while the air takes the temperature of the wall. A chamber that grows
-    /// with its pressure gives a part of it away; half of the modelled growth is certain.
+    /// with its pressure gives a part of it away; half of the modelled growth is certain near the state of the model.
     pub(crate) fn heat_share(&self, pressure_pa: f32, atmosphere: Absolute) -> f32 {
         let absolute_pa = Absolute::from_gauge(pressure_pa, atmosphere).pa().max(0.0);
         let volume_m3 = self.volume_at(pressure_pa);
-        volume_m3 / (volume_m3 + CERTAIN * absolute_pa * self.compliance_m3_per_pa)
+        let grows = if volume_m3 > self.rest_volume_m3 { 1.0 - self.far(pressure_pa) } else { 0.0 };
+        volume_m3 / (volume_m3 + CERTAIN * grows * absolute_pa * self.compliance_m3_per_pa)
+    }
+
+    /// Distance from the state of the model, as a share of the one at which the chamber may not grow at all.
+    fn far(&self, pressure_pa: f32) -> f32 {
+        ((pressure_pa - self.pressure_pa).abs() / FAR_PA).min(1.0)
     }
 
     /// `V + n P dV/dP`, m3: the rigid volume that would take the same air.
@@ -126,7 +132,7 @@ mod tests {
         let (volume_m3, pressure_pa) = (80e-6, 60e3);
         let absolute_pa = ATMOSPHERE.pa() + pressure_pa;
         for compliance_m3_per_pa in [0.0, 0.2e-9, 2e-9] {
-            let (rest_volume_m3, dead_volume_m3) = (volume_m3, 0.0);
+            let (rest_volume_m3, dead_volume_m3) = (0.9 * volume_m3, 0.0);
             let chamber = Chamber { pressure_pa, volume_m3, compliance_m3_per_pa, rest_volume_m3, dead_volume_m3 };
             // Rise of some air without loss of heat, and at the temperature of the wall.
             let rise = |exponent: f32| exponent / (volume_m3 + exponent * absolute_pa * compliance_m3_per_pa);
@@ -134,6 +140,9 @@ mod tests {
             let share = chamber.heat_share(pressure_pa, ATMOSPHERE);
             assert!(comes_back <= (1.0 - 1.0 / 1.4) * share * 1.000_01, "{comes_back} {share}");
             assert!(compliance_m3_per_pa == 0.0 || share < 0.95, "{share}");
+            // Too far from the state of the model, or too small, it may not grow at all.
+            assert_eq!(Chamber { pressure_pa: 0.0, ..chamber }.heat_share(pressure_pa, ATMOSPHERE), 1.0);
+            assert_eq!(Chamber { rest_volume_m3: volume_m3, ..chamber }.heat_share(pressure_pa, ATMOSPHERE), 1.0);
         }
     }
 

@@ -141,15 +141,15 @@ impl PressureLoop {
     /// Switches the coils off and forgets the last pulse, whose effect is cut short; keeps the estimates.
     pub fn close(&mut self, now_us: u64) {
         self.valves.close(now_us);
-        self.balance.interrupt();
+        self.balance.end();
         self.last = None;
     }
 
-    /// Takes the reading of this tick.
-    pub fn sample(&mut self, now_us: u64, timing: ValveTiming, reading_pa: f32) {
+    /// Takes the reading of this tick and its change from the last one, Pa.
+    pub fn sample(&mut self, now_us: u64, timing: ValveTiming, reading_pa: f32, step_pa: f32) {
         let settled = self.valves.direction_at(now_us).is_none() && !self.is_line_moving(now_us, timing);
         self.fine.sample(settled.then_some(reading_pa));
-        if settled {
+        if settled && step_pa.abs() < STILL_PA {
             self.balance.rest(reading_pa);
         }
     }
@@ -224,7 +224,8 @@ impl PressureLoop {
         if plan.direction == Some(Direction::Fill) && input.supply_pa < pressure_pa + SUPPLY_MIN_PA {
             self.balance.interrupt();
         }
-        self.balance.pulse(plan.modelled_pa, doubt(input, pressure_pa, plan.coil_us));
+        let delay_us = if sample == Sample::Settled { input.pneumatics.timing.on_delay_us } else { 0 };
+        self.balance.pulse(plan.modelled_pa, doubt(input, pressure_pa, plan.coil_us, delay_us));
         self.last = Some(Decision {
             at_us: input.now_us,
             pressure_pa,
@@ -377,8 +378,9 @@ impl PressureLoop {
         let up = fill.plan(false);
         let down = vent.plan(false);
         // The balance takes modelled effects: without the gain.
-        self.balance.pulse(up_pa / fill.gain, doubt(input, pressure_pa, up.coil_us));
-        self.balance.pulse(-down_pa / vent.gain, doubt(input, pressure_pa, down.coil_us));
+        let delay_us = input.pneumatics.timing.on_delay_us;
+        self.balance.pulse(up_pa / fill.gain, doubt(input, pressure_pa, up.coil_us, delay_us));
+        self.balance.pulse(-down_pa / vent.gain, doubt(input, pressure_pa, down.coil_us, delay_us));
         self.valves.pair(input.now_us, (Direction::Fill, up.coil_us), (Direction::Vent, down.coil_us));
         Plan { direction: None, ..Plan::NOTHING }
     }
@@ -411,11 +413,11 @@ impl PressureLoop {
     }
 }
 
-/// Doubt about the effect of a pulse, as a factor beyond one: of the chamber, and of the delay, which counts most in a short pulse.
-fn doubt(input: &LoopInput, pressure_pa: f32, coil_us: u32) -> f32 {
-    let ValveTiming { on_delay_us, off_delay_us } = input.pneumatics.timing;
-    let open_us = coil_us.saturating_add(off_delay_us).saturating_sub(on_delay_us).max(1);
-    let of_delay = (DELAY_DOUBT * on_delay_us as f32 / open_us as f32).min(DELAY_DOUBT_MAX);
+/// Doubt about the effect of a pulse, as a factor beyond one: of the chamber, and of the opening delay, 0 for an open valve, which counts most in a
+/// short pulse.
+fn doubt(input: &LoopInput, pressure_pa: f32, coil_us: u32, delay_us: u32) -> f32 {
+    let open_us = coil_us.saturating_add(input.pneumatics.timing.off_delay_us).saturating_sub(delay_us).max(1);
+    let of_delay = (DELAY_DOUBT * delay_us as f32 / open_us as f32).min(DELAY_DOUBT_MAX);
     input.chamber.doubt(pressure_pa, input.pneumatics.atmosphere) + of_delay
 }
 

@@ -57,7 +57,7 @@ fn run(truth: Truth, start_pa: f64, seconds: f64, reference: impl Fn(f64) -> f64
                 end_pa: at(now_us + u64::from(PERIOD_US)),
             });
         }
-        control.sample(now_us, pneumatics.timing, sensor_pa);
+        control.sample(now_us, pneumatics.timing, sensor_pa, sensor_pa - before_pa);
         if let Some(wanted) = segment
             && control.is_due(now_us, pneumatics.timing, sensor_pa - before_pa, &wanted)
         {
