@@ -94,12 +94,6 @@ const MISSING_PA: f32 = 3.5e3;
 /// Fall between closed valves that is no fault, beyond what creep and cooling air take, Pa/s: of a moved chamber, or of noise.
 const LOST_PA_PER_S: f32 = 3e3;
 
-/// Effect of a short pulse on the reading beyond its prediction that shows a kinked hose, Pa.
-const SWING_PA: f32 = 5e3;
-
-/// Such pulses in a row that are a finding: the loop has then learned a gain of two.
-const SWINGS: u8 = 3;
-
 /// Unexplained pressure that may be noise, Pa: no due change is spent on it.
 const MARGIN_PA: f32 = 0.6e3;
 
@@ -164,8 +158,6 @@ pub struct AirBalance {
     is_closed: bool,
     /// Whether the pressure fell so far since the last measurement that the reading is wrong or the chamber has burst.
     has_jumped: bool,
-    /// Short pulses in a row after which the reading came back from far beyond its prediction.
-    swings: u8,
     fill: Gain,
     vent: Gain,
 }
@@ -182,7 +174,6 @@ impl AirBalance {
             closed_pa: 0.0,
             is_closed: false,
             has_jumped: false,
-            swings: 0,
             fill: Gain::UNKNOWN,
             vent: Gain::UNKNOWN,
         }
@@ -214,12 +205,6 @@ impl AirBalance {
         (self.since, self.is_closed) = (None, false);
     }
 
-    /// The same where the loop has ended.
-    pub(crate) fn end(&mut self) {
-        self.interrupt();
-        self.swings = 0;
-    }
-
     /// Takes a reading between closed valves, behind a settled line, that stands.
     pub(crate) fn rest(&mut self, pressure_pa: f32) {
         if !self.is_closed {
@@ -234,16 +219,6 @@ impl AirBalance {
         self.doubt_pa += effect_pa.abs() * doubt;
         if effect_pa != 0.0 {
             self.is_closed = false;
-        }
-    }
-
-    /// Takes the effect of a short pulse on the reading beyond its prediction, Pa, in the direction of the pulse, and whether the reading still comes
-    /// back when the line should have settled. The third one in a row is excess air, whatever the valve: the air of the line moves slowly.
-    pub(crate) fn swing(&mut self, excursion_pa: f32, comes_back: bool) {
-        let is_far = comes_back && excursion_pa > SWING_PA;
-        self.swings = if is_far { self.swings.saturating_add(1) } else { 0 };
-        if self.swings >= SWINGS {
-            self.come_to_rest(excursion_pa);
         }
     }
 

@@ -141,7 +141,7 @@ impl PressureLoop {
     /// Switches the coils off and forgets the last pulse, whose effect is cut short; keeps the estimates.
     pub fn close(&mut self, now_us: u64) {
         self.valves.close(now_us);
-        self.balance.end();
+        self.balance.interrupt();
         self.last = None;
     }
 
@@ -193,9 +193,6 @@ impl PressureLoop {
         let pressure_pa = self.chamber_pressure_pa(input, sample, modelled_drop_pa, resting);
         let last_pulse = self.last.and_then(|last| last.pulse);
         let settles = sample == Sample::Settled && self.settles(input.sensor_step_pa, last_pulse);
-        if let Some(excursion_pa) = self.excursion_pa(pressure_pa, sample) {
-            self.balance.swing(excursion_pa, settles);
-        }
         let hindered_pa = self.learn(input, pressure_pa, sample);
         if !matches!(sample, Sample::Opening(_)) && input.sensor_trusted && !settles {
             let drop_pa = if sample == Sample::Settled { 0.0 } else { input.sensor_pa - pressure_pa };
@@ -252,13 +249,6 @@ impl PressureLoop {
             Some(Direction::Vent) => step_pa > STILL_PA,
             None => false,
         }
-    }
-
-    /// Effect of a short pulse on the reading beyond its prediction, Pa, in the direction of the pulse.
-    fn excursion_pa(&self, pressure_pa: f32, sample: Sample) -> Option<f32> {
-        let last = self.last.filter(|last| last.sample == Sample::Settled && sample == Sample::Settled)?;
-        let innovation_pa = pressure_pa - self.reckoned_pa(&last);
-        Some(if last.pulse? == Direction::Fill { innovation_pa } else { -innovation_pa })
     }
 
     /// The valve that is still open from the last period.
