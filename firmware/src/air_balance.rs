@@ -13,8 +13,8 @@ const GAIN_MAX: f32 = 3.0;
 const DOUBT_FIRST: f32 = 2.0;
 const DOUBT_LEAST: f32 = 1.4;
 
-/// Own effects from which on a valve's gain stands alone. With fewer, the other valve's gain is used, with a count of so many more than the own
-/// effects at most: conductances and delays of the two differ.
+/// Number of measured effects above which a valve uses its own gain. Below it, the valve borrows the other one's gain. The borrowed count exceeds
+/// its own by at most this number, because conductances and delays differ.
 const BORROWED: u8 = 3;
 
 /// Number of effects after which the doubt is least; smallest effect that counts, Pa; share of an innovation that a gain takes, before and after.
@@ -91,7 +91,7 @@ const RETURN_S: [f32; 2] = [0.05, 0.5];
 const EXCESS_PA: f32 = 3.5e3;
 const MISSING_PA: f32 = 3.5e3;
 
-/// Fall between closed valves that is no fault, beyond what creep and cooling air take, Pa/s: of a moved chamber, or of noise.
+/// Pressure fall with closed valves that is no fault, in addition to creep and cooling, Pa/s. A moved chamber or noise can cause it.
 const LOST_PA_PER_S: f32 = 3e3;
 
 /// Unexplained pressure that may be noise, Pa: no due change is spent on it.
@@ -150,11 +150,11 @@ pub struct AirBalance {
     /// The same, each times the doubt about the chamber and the delay at its pulse.
     doubt_pa: f32,
     unexplained: Unexplained,
-    /// What was lost between closed valves, >= 0, Pa: no gain is in doubt there.
+    /// Sum of unexplained pressure falls while both valves were closed, >= 0, Pa. It does not depend on the gains.
     lost_pa: f32,
-    /// Reading from which the next fall between closed valves is counted, Pa; only while `is_closed`.
+    /// Start of the next such fall, Pa. Valid while `is_closed`.
     closed_pa: f32,
-    /// Whether the valves have been closed since that reading.
+    /// Whether both valves have been closed since then.
     is_closed: bool,
     /// Whether the pressure fell so far since the last measurement that the reading is wrong or the chamber has burst.
     has_jumped: bool,
@@ -205,7 +205,7 @@ impl AirBalance {
         (self.since, self.is_closed) = (None, false);
     }
 
-    /// Takes a reading between closed valves, behind a settled line, that stands.
+    /// Takes a steady reading while both valves are closed and the line is settled.
     pub(crate) fn rest(&mut self, pressure_pa: f32) {
         if !self.is_closed {
             (self.is_closed, self.closed_pa) = (true, pressure_pa);
@@ -308,7 +308,7 @@ fn come_back(due_pa: &mut f32, unexplained_pa: f32, time_s: f32, [shortest_s, lo
     used_pa
 }
 
-/// Part of a due change that comes within a time, Pa, with a time constant, s.
+/// Part of a due change that occurs within a time, Pa.
 fn due_within(due_pa: f32, time_s: f32, constant_s: f32) -> f32 {
     due_pa * time_s / (time_s + constant_s)
 }
@@ -317,7 +317,7 @@ fn due_within(due_pa: f32, time_s: f32, constant_s: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// A reading behind a settled line, but for time and pressure.
+    /// A measurement with a settled line. Time and pressure are set by each test.
     const SETTLED: Measurement = Measurement {
         now_us: 0,
         pressure_pa: 0.0,
@@ -360,8 +360,8 @@ mod tests {
     }
 
     #[test]
-    fn fall_between_closed_valves_is_missing_air_whatever_the_pulses_bring() {
-        // Pulses of three times their modelled effect, and a leak that takes all of it: a third while the line is settled.
+    fn fall_with_closed_valves_is_missing_air_at_any_gain() {
+        // Each pulse has three times its modelled effect. A leak takes all of it, a third while the line is settled.
         let leaks = |lost_pa: f32| {
             let mut balance = AirBalance::new();
             for now_us in (0..400_000).step_by(20_000) {

@@ -100,8 +100,8 @@ impl Chamber {
         HEAT_CAPACITY * absolute_pa * self.volume_at(pressure_pa) / (temperature_k * WALL_W_PER_K)
     }
 
-    /// Share of a rigid chamber's change by which the pressure comes back while the air takes the temperature of the wall. A chamber that grows
-    /// with its pressure gives a part of it away; half of the modelled growth is certain near the state of the model.
+    /// Pressure recovery by heat exchange with the wall, relative to that of a rigid chamber. Growth of the chamber reduces it. Half of the modelled
+    /// growth is taken as certain near the model's state.
     pub(crate) fn heat_share(&self, pressure_pa: f32, atmosphere: Absolute) -> f32 {
         let absolute_pa = Absolute::from_gauge(pressure_pa, atmosphere).pa().max(0.0);
         let volume_m3 = self.volume_at(pressure_pa);

@@ -34,7 +34,7 @@ const ABOVE_PA: f32 = 900.0;
 const HINDERED_DROPS: f32 = 3.0;
 const HINDERED_PA: f32 = 6e3;
 
-/// Doubt about the opening delay of a valve, as a share of it; largest doubt about the effect of a pulse that comes of it, as a factor beyond one.
+/// Relative uncertainty of a valve's opening delay, and the largest relative uncertainty of a pulse's effect that results.
 const DELAY_DOUBT: f32 = 0.1;
 const DELAY_DOUBT_MAX: f32 = 0.5;
 
@@ -403,8 +403,7 @@ impl PressureLoop {
     }
 }
 
-/// Doubt about the effect of a pulse, as a factor beyond one: of the chamber, and of the opening delay, 0 for an open valve, which counts most in a
-/// short pulse.
+/// Relative uncertainty of a pulse's effect, from the chamber and from the opening delay. The delay is 0 for a valve that is already open.
 fn doubt(input: &LoopInput, pressure_pa: f32, coil_us: u32, delay_us: u32) -> f32 {
     let open_us = coil_us.saturating_add(input.pneumatics.timing.off_delay_us).saturating_sub(delay_us).max(1);
     let of_delay = (DELAY_DOUBT * delay_us as f32 / open_us as f32).min(DELAY_DOUBT_MAX);
