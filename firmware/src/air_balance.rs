@@ -94,6 +94,9 @@ const MISSING_PA: f32 = 3.5e3;
 /// Pressure fall with closed valves that is no fault, in addition to creep and cooling, Pa/s. A moved chamber or noise can cause it.
 const LOST_PA_PER_S: f32 = 3e3;
 
+/// Fall of the reading after each fill pulse, while the last pressure drop of the line settles, Pa.
+const SETTLING_PA: f32 = 200.0;
+
 /// Unexplained pressure that may be noise, Pa: no due change is spent on it.
 const MARGIN_PA: f32 = 0.6e3;
 
@@ -264,8 +267,9 @@ impl AirBalance {
             if self.is_closed {
                 let closed_s = settled_s.min(time_s);
                 let due_pa = due_within(cooling_pa, closed_s, heat_s[0]) + due_within(creep_pa, closed_s, CREEP_S[0]);
-                let fallen_pa = self.closed_pa - pressure_pa;
-                self.lost_pa = (self.lost_pa + fallen_pa - due_pa - LOST_PA_PER_S * closed_s).max(0.0);
+                let settling_pa = if self.filled_pa > 0.0 { SETTLING_PA } else { 0.0 };
+                let fallen_pa = self.closed_pa - pressure_pa - due_pa - settling_pa;
+                self.lost_pa = (self.lost_pa + fallen_pa - LOST_PA_PER_S * closed_s).max(0.0);
             }
             excess_pa -= come_back(&mut warming_pa, excess_pa, time_s, heat_s);
             excess_pa -= come_back(&mut returning_pa, excess_pa, time_s, RETURN_S);
