@@ -34,6 +34,10 @@ const ABOVE_PA: f32 = 900.0;
 const HINDERED_DROPS: f32 = 3.0;
 const HINDERED_PA: f32 = 6e3;
 
+/// Largest swing of the reading after a short pulse in a sound line: a multiple of the modelled steady drop, plus a pressure, Pa.
+const SWING_DROPS: f32 = 0.3;
+const SWING_PA: f32 = 3e3;
+
 /// Relative uncertainty of a valve's opening delay, and the largest relative uncertainty of a pulse's effect that results.
 const DELAY_DOUBT: f32 = 0.1;
 const DELAY_DOUBT_MAX: f32 = 0.5;
@@ -141,7 +145,7 @@ impl PressureLoop {
     /// Switches the coils off and forgets the last pulse, whose effect is cut short; keeps the estimates.
     pub fn close(&mut self, now_us: u64) {
         self.valves.close(now_us);
-        self.balance.interrupt();
+        self.balance.end();
         self.last = None;
     }
 
@@ -193,8 +197,15 @@ impl PressureLoop {
         let pressure_pa = self.chamber_pressure_pa(input, sample, modelled_drop_pa, resting);
         let last_pulse = self.last.and_then(|last| last.pulse);
         let settles = sample == Sample::Settled && self.settles(input.sensor_step_pa, last_pulse);
+        if let Some(last) = self.last.filter(|last| last.sample == Sample::Settled && sample == Sample::Settled)
+            && let Some(direction) = last.pulse
+        {
+            let swing_pa = self.swing_pa(input, &last, direction, pressure_pa).filter(|_| settles);
+            self.balance.swing(swing_pa);
+        }
         let hindered_pa = self.learn(input, pressure_pa, sample);
-        if !matches!(sample, Sample::Opening(_)) && input.sensor_trusted && !settles {
+        let is_falling = settles && last_pulse == Some(Direction::Fill);
+        if !matches!(sample, Sample::Opening(_)) && input.sensor_trusted && (!settles || is_falling) {
             let drop_pa = if sample == Sample::Settled { 0.0 } else { input.sensor_pa - pressure_pa };
             let (now_us, step_pa) = (input.now_us, input.sensor_step_pa);
             let pneumatics = input.pneumatics;
@@ -202,7 +213,11 @@ impl PressureLoop {
             let heat_share = input.chamber.heat_share(pressure_pa, pneumatics.atmosphere);
             let settled_s = self.settled_for_us(now_us, pneumatics.timing) as f32 * 1e-6;
             let measurement = Measurement { now_us, pressure_pa, step_pa, drop_pa, settled_s, cooling_s, heat_share };
-            self.balance.measure(&measurement);
+            if is_falling {
+                self.balance.measure_falling(&measurement);
+            } else {
+                self.balance.measure(&measurement);
+            }
         }
         if let Some(beyond_pa) = hindered_pa {
             self.balance.come_to_rest(beyond_pa);
@@ -249,6 +264,14 @@ impl PressureLoop {
             Some(Direction::Vent) => step_pa > STILL_PA,
             None => false,
         }
+    }
+
+    /// Effect of a short pulse beyond its prediction, Pa, in the direction of the pulse, if a sound line cannot swing that far.
+    fn swing_pa(&self, input: &LoopInput, last: &Decision, direction: Direction, pressure_pa: f32) -> Option<f32> {
+        let beyond_pa = pressure_pa - self.reckoned_pa(last);
+        let swing_pa = if direction == Direction::Fill { beyond_pa } else { -beyond_pa };
+        let settled_pa = input.pneumatics.settled_pa(direction, input.chamber, last.pressure_pa, input.supply_pa);
+        (swing_pa > SWING_PA + SWING_DROPS * (last.pressure_pa - settled_pa).abs()).then_some(swing_pa)
     }
 
     /// The valve that is still open from the last period.
