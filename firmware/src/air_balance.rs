@@ -10,7 +10,7 @@ const GAIN_MIN: f32 = 0.3;
 const GAIN_MAX: f32 = 3.0;
 
 /// Doubt about a gain, as a factor either way: before any effect was seen, and once it was seen often.
-const DOUBT_FIRST: f32 = 1.9;
+const DOUBT_FIRST: f32 = 2.0;
 const DOUBT_LEAST: f32 = 1.4;
 
 /// Number of measured effects above which a valve uses its own gain. Below it, the valve borrows the other one's gain. The borrowed count exceeds
@@ -35,12 +35,9 @@ impl Gain {
     const UNKNOWN: Self = Self { beyond_one: 0.0, count: 0 };
 
     fn learn(&mut self, gain: f32) {
-        if !(GAIN_MIN..=GAIN_MAX).contains(&gain) {
-            return;
-        }
         let rate = if self.count < OFTEN { RATE_FIRST } else { RATE };
         self.count = (self.count + 1).min(OFTEN);
-        self.beyond_one += rate * (gain - 1.0 - self.beyond_one);
+        self.beyond_one += rate * (gain.clamp(GAIN_MIN, GAIN_MAX) - 1.0 - self.beyond_one);
     }
 
     /// The gain; or the other valve's, with more doubt, while few own effects are known: volume and compliance are common to both.
@@ -255,8 +252,12 @@ impl AirBalance {
         self.unexplained.missing_pa = self.unexplained.missing_pa.max(-beyond_pa);
     }
 
-    /// Takes a reading that still falls after a fill pulse: the chamber's pressure is lower. It shows missing air, and nothing else.
+    /// Takes a reading that still falls after a fill pulse: the chamber's pressure is lower. It shows missing air since a settled reading, and
+    /// nothing else.
     pub(crate) fn measure_falling(&mut self, measurement: &Measurement) {
+        if self.since.is_some_and(|(.., drop_pa)| drop_pa != 0.0) {
+            return;
+        }
         let mut trial = *self;
         trial.measure(measurement);
         if trial.unexplained.missing_pa > MISSING_PA {
