@@ -87,7 +87,7 @@ const HEAT_MIN_S: f32 = 1e-3;
 const RETURN_PA: f32 = 2e3;
 const RETURN_S: [f32; 2] = [0.05, 0.5];
 
-/// Unexplained pressure that is a fault, Pa. Creeping walls and cooling air lower the pressure of a sound chamber; nothing raises it.
+/// Unexplained pressure that is a fault, Pa.
 const EXCESS_PA: f32 = 3.5e3;
 const MISSING_PA: f32 = 3.5e3;
 
@@ -103,7 +103,7 @@ const SWINGS: u8 = 3;
 /// Unexplained pressure that may be noise, Pa: no due change is spent on it.
 const MARGIN_PA: f32 = 0.6e3;
 
-/// Pressure below which a chamber may be empty, Pa: venting then changes nothing.
+/// Pressure below which a chamber may be empty, Pa: then venting need not have changed anything.
 const EMPTY_PA: f32 = 2e3;
 
 /// Change of a reading from one sample to the next beyond which a single sample may be wrong, Pa.
@@ -272,16 +272,14 @@ impl AirBalance {
             return;
         }
         if let Some((at_us, from_pa, from_drop_pa)) = self.since {
-            if pressure_pa < EMPTY_PA {
-                self.vented_pa = 0.0;
-            }
             let pulse_doubt = self.doubt_pa / (self.filled_pa + self.vented_pa).max(1.0);
             // Behind a valve that is wide for its line, the real drop may be zero or double.
             let doubt_pa = (drop_pa - from_drop_pa).abs();
             let risen_pa = pressure_pa - from_pa;
             let time_s = (now_us as u32).wrapping_sub(at_us) as f32 * 1e-6;
             let (fill, vent) = (self.fill.or(self.vent), self.vent.or(self.fill));
-            let most_pa = fill.most(pulse_doubt) * self.filled_pa - vent.least(pulse_doubt) * self.vented_pa;
+            let vent_least = if pressure_pa < EMPTY_PA { 0.0 } else { vent.least(pulse_doubt) };
+            let most_pa = fill.most(pulse_doubt) * self.filled_pa - vent_least * self.vented_pa;
             let least_pa = fill.least(pulse_doubt) * self.filled_pa - vent.most(pulse_doubt) * self.vented_pa;
             let before = self.unexplained;
             // A share of the real effect comes back: of the measured change, which is no more than the valve explains. A valve without effect has none.

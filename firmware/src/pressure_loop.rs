@@ -36,7 +36,7 @@ const HINDERED_PA: f32 = 6e3;
 
 /// Largest swing of the reading after a short pulse in a sound line: a multiple of the modelled steady drop, plus a pressure, Pa.
 const SWING_DROPS: f32 = 0.3;
-const SWING_PA: f32 = 3e3;
+const SWING_PA: f32 = 3.5e3;
 
 /// Relative uncertainty of a valve's opening delay, and the largest relative uncertainty of a pulse's effect that results.
 const DELAY_DOUBT: f32 = 0.1;
@@ -233,7 +233,8 @@ impl PressureLoop {
             _ if self.fine.is_pairing() => {}
             _ => self.valves.close(input.now_us),
         }
-        if plan.direction == Some(Direction::Fill) && input.supply_pa < pressure_pa + SUPPLY_MIN_PA {
+        let fills = plan.direction == Some(Direction::Fill) || self.fine.is_pairing();
+        if fills && input.supply_pa < pressure_pa + SUPPLY_MIN_PA {
             self.balance.interrupt();
         }
         let delay_us = if sample == Sample::Settled { input.pneumatics.timing.on_delay_us } else { 0 };

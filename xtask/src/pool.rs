@@ -4,7 +4,7 @@ use std::io::{self, Read};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Time between two looks whether a command has ended.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -21,12 +21,14 @@ pub(crate) struct Job {
 pub(crate) struct Done {
     pub(crate) name: String,
     pub(crate) output: io::Result<Output>,
+    pub(crate) took: Duration,
 }
 
 /// Runs a job to its end, or to its limit of time: the output is what it had printed by then.
 pub(crate) fn run(mut job: Job) -> Done {
+    let started = Instant::now();
     let output = output(&mut job.command, job.limit);
-    Done { name: job.name, output }
+    Done { name: job.name, output, took: started.elapsed() }
 }
 
 fn output(command: &mut Command, limit: Option<Duration>) -> io::Result<Output> {

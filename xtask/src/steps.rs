@@ -208,7 +208,7 @@ fn own(program: &Path, name: &str, arguments: &[&str]) -> Job {
 /// Prints what a job has printed, and reads it; whether the job succeeded.
 fn end(tally: &mut Tally, done: &Done) -> bool {
     let name = &done.name;
-    println!("\nxtask: {name}");
+    println!("\nxtask: {name}, {:.0} s", done.took.as_secs_f64());
     let output = match &done.output {
         Ok(output) => output,
         Err(error) => {

@@ -157,6 +157,26 @@ fn plain_loops_keep_chambers_below_the_limit_and_do_not_name_the_valve() {
     }
 }
 
+/// Valves that are large for the chamber empty it between two measurements of a settled line.
+#[test]
+fn sound_plants_that_vent_to_zero_raise_no_fault() {
+    for (seed, conductance_m3_per_s_pa) in (0..12).flat_map(|seed| [(seed, 1.44e-9), (seed, 3e-9), (seed, 5e-9)]) {
+        let mut settings = plant(seed);
+        settings.plant.supply = Supply::Regulated { pressure_pa: 200e3 };
+        settings.plant.channels.iter_mut().for_each(|channel| channel.valve.conductance_m3_per_s_pa = conductance_m3_per_s_pa);
+        let mut host = Host::new(&settings);
+        host.system.valve_conductance_m3_per_s_pa = conductance_m3_per_s_pa as f32;
+        // A fill within 1 s, a rest, and a fall to zero within 60 ms, from another pressure each time.
+        let reference = |time_s: f64| {
+            let [turn, time_s] = [(time_s / 3.0).floor(), time_s % 3.0];
+            let high_pa = 3e3 + 2e3 * (turn % 10.0);
+            high_pa * (time_s.min(1.0) - ((time_s - 2.0) / 0.06).clamp(0.0, 1.0))
+        };
+        let told = run(host, &reference, 30.0, None);
+        assert_eq!(told.all, [], "seed {seed}, {conductance_m3_per_s_pa} m3/(s Pa)");
+    }
+}
+
 /// 3000 plants of 120 s are 100 h of a limb, the tenth of them 10 h.
 #[test]
 fn sound_plants_raise_no_fault() {

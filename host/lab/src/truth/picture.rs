@@ -35,16 +35,16 @@ fn chart(rows: &[Row]) -> Chart {
             points: points(|row| row.by_model),
         },
         Series {
-            label: "with feedback".into(),
-            color: Color::Third,
-            stroke: Stroke::Crosses,
-            points: points(|row| row.feedback),
-        },
-        Series {
             label: "after learning".into(),
             color: Color::First,
             stroke: Stroke::Dots,
             points: points(|row| row.learned),
+        },
+        Series {
+            label: "with feedback".into(),
+            color: Color::Third,
+            stroke: Stroke::Crosses,
+            points: points(|row| row.feedback),
         },
     ];
     let [low, high] = span(series.iter().flat_map(|one| &one.points).map(|point| point[0]));
