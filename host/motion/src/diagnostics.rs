@@ -10,6 +10,7 @@ use super::carrier::Carrier;
 use super::corrections::check_corrections;
 use super::goal::{pressures, shapes, tip_task, values};
 use super::inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, angle, misses, solutions_of};
+use super::payload::carried;
 use super::plan::Plan;
 use super::route::{approach, ranges, route};
 use super::schedule::planning_space;
@@ -164,6 +165,7 @@ impl Words<'_> {
             }
             Unreachable::Tilts { phase, time_us, tilt_rad } => self.tilts(*phase, *time_us, *tilt_rad),
             Unreachable::NotCarried { phase, time_us, cause } => self.not_carried(*phase, Some(*time_us), *cause),
+            Unreachable::Uncertain { phase, error } => self.uncertain(*phase, *error),
             Unreachable::UnderLoad { phase, nearest } => self.under_load(*phase, nearest),
             Unreachable::Swings { phase, worst_m, way_m, enough_s } => {
                 self.swings(*phase, (*worst_m, *way_m), *enough_s)
@@ -380,12 +382,21 @@ impl Words<'_> {
             }
         };
         let title = match time_us {
+            Some(0) if carried(self.scene.phases()).first().is_some_and(|first| first.moved.payload_kg > 0.0) => {
+                "the limb does not carry its load at rest"
+            }
             Some(0) => "the limb does not carry its own weight at rest",
             _ => "the limb does not carry its load in this phase",
         };
         let help = "let it hang (`base_direction`), give its modules `spacers`, or make it lighter or stiffer; \
                     `softlimb design limb` sizes a limb for its load";
         self.at(self.phase(phase).span, title, &label, Some(help))
+    }
+
+    fn uncertain(&self, phase: usize, error: f64) -> SceneError {
+        let label = format!("the finest statics knows the tip to {:.1} % of the limb's length", 100.0 * error);
+        let help = "take a smaller payload, or a stiffer limb; `softlimb payload capacity` tells the largest";
+        self.at(self.phase(phase).span, "the limb deforms too far under its load in this phase", &label, Some(help))
     }
 
     fn under_load(&self, phase: usize, nearest: &Reach) -> SceneError {
@@ -491,6 +502,10 @@ fn no_state(cause: &NoState, module: &LimbModule) -> String {
         NoState::Vacuum(pressure) => {
             format!("`{}` would need {}: a vacuum, which the valves cannot make", module.name, kpa(*pressure))
         }
+        NoState::OverPressure(pressure) if kpa(*pressure) == allowed => format!(
+            "`{}` would need more than {allowed}, which the device follows, a margin below `pressure_max` of {limit}",
+            module.name
+        ),
         NoState::OverPressure(pressure) => {
             format!(
                 "`{}` would need {}; the device follows up to {allowed}, a margin below `pressure_max` of {limit}",

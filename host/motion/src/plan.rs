@@ -173,6 +173,9 @@ fn between(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
     std::array::from_fn(|axis| a[axis] + (b[axis] - a[axis]) * share)
 }
 
+/// Error of the finest statics, as a share of the limb's length, above which the limb is so far from its unloaded shape that no plan is made.
+const STATICS_ERROR_MAX: f64 = 0.05;
+
 /// Plans all phases of a scene. The warnings of the plan are left to those who have the words.
 ///
 /// # Errors
@@ -190,6 +193,9 @@ pub(super) fn plan(scene: &Scene, limb: &Limb) -> Result<(Plan, Vec<Shortcoming>
         // The poses may need more of a model than the limb at rest.
         if judged.tier > tier {
             continue;
+        }
+        if judged.error > STATICS_ERROR_MAX {
+            return Err(Unreachable::Uncertain { phase: judged.phase, error: judged.error });
         }
         let mut plan = proven(scene, limb, draft, Some(tier))?;
         if judged.error > weight.error {

@@ -35,6 +35,8 @@ pub(super) enum Unreachable {
     Tilts { phase: usize, time_us: Option<u64>, tilt_rad: f64 },
     /// The limb does not carry its load.
     NotCarried { phase: usize, time_us: u64, cause: PoseError },
+    /// The finest statics has too large an error, as a share of the limb's length.
+    Uncertain { phase: usize, error: f64 },
     /// Under its load the tip does not get to where it shall be.
     UnderLoad { phase: usize, nearest: Reach },
     /// A move leaves more swing of the tip than it may, m, where frequencies are off at worst; its tip goes this far, m. A duration before

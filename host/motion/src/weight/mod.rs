@@ -45,6 +45,8 @@ pub struct Weighed {
 pub(super) struct Judged {
     pub(super) tier: Fidelity,
     pub(super) error: f64,
+    /// The phase of that error.
+    pub(super) phase: usize,
 }
 
 impl Judged {
@@ -57,17 +59,20 @@ impl Judged {
         let payload_kg = carried(scene.phases()).first().map_or(0.0, |carried| carried.moved.payload_kg);
         let judged = Nominal::tier_for(scene, limb, &at_rest, payload_kg, error);
         let (tier, error) = judged.map_err(|cause| Unreachable::NotCarried { phase: 0, time_us: 0, cause })?;
-        Ok(Self { tier, error })
+        Ok(Self { tier, error, phase: 0 })
     }
 
     /// Takes the ends of the moves and holds of a plan into account.
     pub(super) fn look(&mut self, scene: &Scene, limb: &Limb, plan: &Plan, error: f64) {
-        for (phase, carried) in plan.phases.iter().zip(carried(scene.phases())) {
+        for (index, (phase, carried)) in plan.phases.iter().zip(carried(scene.phases())).enumerate() {
             for (time_us, carrying) in [(0, carried.moved), (phase.hold_us, carried.held)] {
                 let time_us = (phase.start_us + phase.move_us + time_us) as f64;
                 let pressures_pa = pressures_pa(&plan.states_at(time_us));
                 if let Ok((tier, error)) = Nominal::tier_for(scene, limb, &pressures_pa, carrying.payload_kg, error) {
-                    (self.tier, self.error) = (self.tier.max(tier), self.error.max(error));
+                    self.tier = self.tier.max(tier);
+                    if error > self.error {
+                        (self.error, self.phase) = (error, index);
+                    }
                 }
             }
         }

@@ -18,8 +18,9 @@ const SILENCE_MAX_US: u64 = 3_000_000;
 /// Read every pressure sensor for a while: mean, scatter, lowest and highest value
 #[derive(Args)]
 #[command(
-    after_help = "Moves nothing. Without --scene it says nothing to the device, and the device must have a configuration. With --scene the\n\
-                  supply is switched on and the valves stay closed. A sensor that is not plausible is a warning.\n\n\
+    after_help = "Without --scene it sends nothing to the device, and the device must have a configuration. With --scene, all vents open until the\n\
+                  zeros are taken: after the first configuration since a reset, another sensor scale or another number of channels. A limb that\n\
+                  holds a load drops it. The pump may run; the supply valve stays closed. A sensor that is not plausible is a warning.\n\n\
                   Examples:\n  softlimb device sensors --port /dev/ttyACM0\n  \
                   softlimb device sensors --port /dev/ttyACM0 --scene scenes/single-bending.toml"
 )]

@@ -17,7 +17,7 @@ use softlimb_rig::run::{Mcu, simulated_device};
 /// Test a device step by step: link, sensors, supply, then valves and leaks of each channel
 #[derive(Args)]
 #[command(
-    after_help = "Moves air: each channel is filled to 10 kPa or a third of its highest pressure, watched for 5 s with closed valves, and vented.\n\
+    after_help = "Moves air: each channel is filled to 10 kPa or 30 % of its highest pressure, watched for 5 s with closed valves, and vented.\n\
                   Keep clear of the limb. Steps that depend on one that failed are left out. A failure is a warning, with what to look at.\n\n\
                   Examples:\n  softlimb device test scenes/single-bending.toml --port /dev/ttyACM0\n  \
                   softlimb device test scenes/single-bending.toml --port sim --json"
