@@ -163,7 +163,11 @@ fn sound_plants_that_vent_to_zero_raise_no_fault() {
     for (seed, conductance_m3_per_s_pa) in (0..12).flat_map(|seed| [(seed, 1.44e-9), (seed, 3e-9), (seed, 5e-9)]) {
         let mut settings = plant(seed);
         settings.plant.supply = Supply::Regulated { pressure_pa: 200e3 };
-        settings.plant.channels.iter_mut().for_each(|channel| channel.valve.conductance_m3_per_s_pa = conductance_m3_per_s_pa);
+        settings
+            .plant
+            .channels
+            .iter_mut()
+            .for_each(|channel| channel.valve.conductance_m3_per_s_pa = conductance_m3_per_s_pa);
         let mut host = Host::new(&settings);
         host.system.valve_conductance_m3_per_s_pa = conductance_m3_per_s_pa as f32;
         // A fill within 1 s, a rest, and a fall to zero within 60 ms, from another pressure each time.

@@ -235,6 +235,9 @@ impl LimbDesign {
             note(&format!("warning: {why}"));
         }
         let Designed { scene, plan, warnings, .. } = designed?;
+        if !scene.weightless() {
+            note("the targets are designed without weight: the plan judges the limb under its load");
+        }
         let outcome = super::windings(&scene, &warnings);
         match plan {
             Ok(()) if reached => Ok(outcome),

@@ -42,9 +42,6 @@ impl Design {
 
 /// States warnings, and what `fabricate` says of the windings, which the search does not choose.
 fn windings(designed: &Scene, warnings: &[String]) -> Outcome {
-    let outcome = warn(warnings);
-    for text in advice(designed, &Settings::default()) {
-        note(&format!("warning: {text}"));
-    }
-    outcome
+    let advice = advice(designed, &Settings::default());
+    warn(&[warnings, &advice].concat())
 }

@@ -1,6 +1,6 @@
 //! Commissioning of a device: link, sensors, supply and valves one after another, each step with a verdict.
 //!
-//! The steps move air: a channel is filled by pulses to 10 kPa or a third of its highest pressure, whichever is less, watched with closed
+//! The steps move air: a channel is filled by pulses to 10 kPa or 30 % of its highest pressure, whichever is less, watched with closed
 //! valves, and vented. The test compares the flow of both valves with the device's own model, and watches all faults of the device.
 
 mod flow;
