@@ -238,6 +238,101 @@ fn tensile_test_goes_into_the_scene_with_a_warning_where_it_does_not_reach() {
 }
 
 #[test]
+fn stretch_below_every_row_of_a_test_is_named_by_its_option() {
+    let csv = "stretch,nominal_stress_kpa\n1,0\n1.1,45.7\n1.2,89.9\n1.3,131.9\n1.5,213.9\n";
+    let folder = desk(&[("test.csv", csv)]);
+    for typed in ["0.5", "1", "50%"] {
+        let answer = softlimb(folder.path(), &format!("calibrate tension test.csv --law neo-hookean --up-to {typed}"));
+        let expected = format!("test.csv: `--up-to {typed}` keeps no row of the test that has a stress");
+        assert_eq!(answer.code, 1, "{}", answer.out);
+        assert!(answer.err.contains(&expected) && answer.err.contains("1.1 to 1.5"), "{}", answer.err);
+    }
+    let kept = softlimb(folder.path(), "calibrate tension test.csv --law neo-hookean --up-to 1.3");
+    assert!(kept.code == 0 && kept.out.contains("stretch 1.000 to 1.300"), "{} {}", kept.out, kept.err);
+}
+
+/// Kilopascals under a name of pascals.
+#[test]
+fn law_that_no_scene_takes_is_named_with_its_value_range_and_the_units() {
+    let test = "stretch,nominal_stress_pa\n1.1,45.7\n1.2,89.9\n1.3,131.9\n1.5,213.9\n";
+    let folder = desk(&[("scene.toml", SCENE), ("test.csv", test), ("finger.csv", &bends("pressure_pa", 1e-3))]);
+    let alone = softlimb(folder.path(), "calibrate tension test.csv --law neo-hookean");
+    assert_eq!(alone.code, 3, "{}", alone.err);
+    assert!(alone.err.contains("shear_modulus = 0.00019"), "{}", alone.err);
+    assert!(alone.err.contains("0.001 MPa to 100 MPa: check the units of the columns"), "{}", alone.err);
+    for line in [
+        "calibrate tension test.csv --law neo-hookean --scene scene.toml",
+        "calibrate pressure finger.csv --scene scene.toml --fit shear_modulus",
+    ] {
+        let refused = softlimb(folder.path(), line);
+        assert_eq!(refused.code, 1, "{line}: {}", refused.out);
+        for part in ["from 0.001 MPa to 100 MPa: this is 0.000", "check the units of the columns"] {
+            assert!(refused.err.contains(part), "{line}: {}", refused.err);
+        }
+        assert!(!refused.err.contains("scene.toml:"), "{line}: {}", refused.err);
+    }
+}
+
+/// Bends of a finger of 0.2 MPa, with pressures times a factor, kPa, under a name.
+fn bends(column: &str, factor: f64) -> String {
+    let unit = if column == "pressure_pa" { 1e3 } else { 1.0 };
+    let rows = [(10.0, 12.9), (30.0, 43.0), (60.0, 101.8)];
+    let row = |(kpa, deg): (f64, f64)| format!("finger,{},{deg}\n", kpa * unit * factor);
+    format!("module,{column},bend_angle_deg\n{}", rows.map(row).concat())
+}
+
+/// Pounds per square inch under a name of kilopascals leave no residual.
+#[test]
+fn modulus_far_from_that_of_the_scene_warns_of_units() {
+    let psi = bends("pressure_kpa", 1.0 / 6.894_757);
+    let folder = desk(&[("scene.toml", SCENE), ("kpa.csv", &bends("pressure_kpa", 1.0)), ("psi.csv", &psi)]);
+    let fit = |file: &str| {
+        softlimb(folder.path(), &format!("calibrate pressure {file} --scene scene.toml --fit shear_modulus"))
+    };
+    let (right, wrong) = (fit("kpa.csv"), fit("psi.csv"));
+    assert_eq!((right.code, right.err.as_str()), (0, ""), "{}", right.out);
+    assert_eq!(wrong.code, 3, "{}", wrong.err);
+    assert!(
+        wrong.err.contains("is 0.121 times the scene's 0.240000 MPa: check the units of the columns"),
+        "{}",
+        wrong.err
+    );
+}
+
+#[test]
+fn rows_that_no_value_reproduces_are_refused_with_the_cause() {
+    let far = "module,pressure_kpa,axial_stretch\nfinger,10,1.1\nfinger,20,1.2\n";
+    let mirrored = "module,pressure_kpa,bend_angle_deg\nfinger,10,-12.9\nfinger,30,-43\nfinger,50,-55\n";
+    let folder = desk(&[("scene.toml", SCENE), ("far.csv", far), ("mirrored.csv", mirrored)]);
+    let fit = |file: &str, what: &str| {
+        let answer = softlimb(folder.path(), &format!("calibrate pressure {file} --scene scene.toml --fit {what}"));
+        assert_eq!(answer.code, 1, "{file} {what}: {}", answer.out);
+        assert!(!answer.err.contains("moves no point"), "{file} {what}: {}", answer.err);
+        answer.err
+    };
+    let refused = fit("far.csv", "shear_modulus");
+    assert!(refused.contains("no value of shear_modulus of arm, finger reproduces these data"), "{refused}");
+    assert!(refused.contains("Check the units and signs of the columns"), "{refused}");
+    for what in ["shear_modulus", "pressure_gain", "pressure_offset", "wall"] {
+        let refused = fit("mirrored.csv", what);
+        assert!(refused.contains("the measured bend angle of finger changes with the opposite sign"), "{refused}");
+        assert!(refused.contains("by -12.9000 deg at 10000 Pa"), "{refused}");
+    }
+}
+
+#[test]
+fn help_names_every_parameter_that_a_fit_takes() {
+    let folder = desk(&[]);
+    for verb in ["pressure", "run"] {
+        let help = softlimb(folder.path(), &format!("calibrate {verb} --help")).out;
+        let words = softlimb_rig::calibrate::Property::ALL.map(|property| property.word());
+        for word in words {
+            assert!(help.contains(word), "{verb}: {word}");
+        }
+    }
+}
+
+#[test]
 fn step_gives_the_creep_of_a_scene() {
     let mut csv = "pressure_pa,time_s,bend_angle_rad,module\n".to_owned();
     for time in grid(0.05, 12.0, 60) {

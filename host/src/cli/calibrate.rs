@@ -15,8 +15,11 @@ use serde::Serialize;
 use super::shared::{above_zero, show, write};
 use super::{Failure, Outcome, warn};
 use softlimb_rig::calibrate::{Noise, Property, Settings};
-use softlimb_scene::{Quantity, Scene, rewritten};
+use softlimb_scene::{Quantity, RewriteError, Scene, rewritten};
 pub(super) use tension::coefficients;
+
+/// Remedy for values far from those of elastomers.
+const CHECK_UNITS: &str = "check the units of the columns";
 
 /// Fit parameters to measurements: materials, fibers, walls, sensors, creep
 #[derive(Args)]
@@ -82,8 +85,15 @@ struct Files {
 /// Unknowns of a fit of pressures and deformations.
 #[derive(Args)]
 struct Unknowns {
-    /// Parameters to find: shear_modulus, yeoh_c1, yeoh_c2, yeoh_c3, fiber_modulus, fiber_angle, second_fiber_modulus, second_fiber_angle, wall, inner_radius, length, seating_pressure, pressure_offset, pressure_gain
-    #[arg(long, value_name = "WHAT", required = true, value_delimiter = ',', num_args = 1, value_parser = property)]
+    #[arg(
+        long,
+        help = format!("Parameters to find: {}", properties()),
+        value_name = "WHAT",
+        required = true,
+        value_delimiter = ',',
+        num_args = 1,
+        value_parser = property
+    )]
     fit: Vec<Property>,
     /// One value for all modules of a material or winding, or one for each module
     #[arg(long, value_enum, default_value_t = Per::Part)]
@@ -122,7 +132,7 @@ struct Printed<'a, T> {
 impl<T: Serialize> Fitted<T> {
     fn finish(&self, fitting: &Fitting, files: &Files) -> Result<Outcome, Failure> {
         let written = match (&self.scene, &files.write) {
-            (Some((scene, wanted)), _) => Some(rewritten(scene, wanted).map_err(Failure::new)?),
+            (Some((scene, wanted)), _) => Some(rewritten(scene, wanted).map_err(|error| not_written(&error))?),
             (None, Some(_)) => {
                 return Err(Failure::wrong_line("--write needs a scene, and a fit of properties that a scene has"));
             }
@@ -144,7 +154,22 @@ impl<T: Serialize> Fitted<T> {
     }
 }
 
+/// A failure to write fitted values into a scene. The line of a value that is refused is one of no file, and is left out.
+fn not_written(error: &RewriteError) -> Failure {
+    let RewriteError::Refused(refused) = error else { return Failure::new(error) };
+    let told = refused.diagnostics().into_iter().map(|problem| match problem.label {
+        Some(label) => format!("{}: {label}", problem.message),
+        None => problem.message,
+    });
+    let told = told.collect::<Vec<_>>().join("; ");
+    Failure::new(format!("the scene does not take the fitted values: {told}: {CHECK_UNITS}"))
+}
+
 fn property(word: &str) -> Result<Property, String> {
-    let known = || Property::ALL.iter().map(|property| property.word()).collect::<Vec<_>>().join(", ");
-    Property::of_word(word).ok_or_else(|| format!("known are {}", known()))
+    Property::of_word(word).ok_or_else(|| format!("known are {}", properties()))
+}
+
+/// The words of all properties, for help and errors.
+fn properties() -> String {
+    Property::ALL.iter().map(|property| property.word()).collect::<Vec<_>>().join(", ")
 }

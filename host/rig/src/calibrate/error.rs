@@ -32,6 +32,35 @@ pub enum CalibrationError {
         /// Advice.
         advice: String,
     },
+    /// The model follows the data with no value of the unknowns.
+    #[error(
+        "no value{} of {} reproduce{} these data: in the best fit a point is still {off:.1} times its accuracy off. Check the units and signs of the \
+         columns, and the sizes in the scene. More points help only if the measurements scatter as much",
+        plural(.names.len()), .names.join(" and "), if .names.len() == 1 { "s" } else { "" }
+    )]
+    NotReproduced {
+        /// The unknowns.
+        names: Vec<String>,
+        /// Largest residual of the best fit, in units of the accuracy.
+        off: f64,
+    },
+    /// The measured deformations go the other way than those of the model.
+    #[error(
+        "the measured {quantity} of {body} changes with the opposite sign of the model's: by {measured} at {reading_pa:.0} Pa, in the model by \
+         {modelled}. Check the signs of the column and of the pressure"
+    )]
+    OppositeSign {
+        /// The body.
+        body: String,
+        /// The deformation.
+        quantity: &'static str,
+        /// The reading of the sensor, Pa.
+        reading_pa: f64,
+        /// Measured change from rest, with its unit.
+        measured: String,
+        /// Change of the model at the start, with its unit.
+        modelled: String,
+    },
     /// An unknown that a body does not have.
     #[error("{body} has no {property}: {because}")]
     NoSuchProperty {

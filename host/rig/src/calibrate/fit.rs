@@ -1,7 +1,7 @@
 //! Parameters of actuators from pressure and deformation.
 
 use fra_model::StateQuantity;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::descent::descend;
 use super::error::advice;
@@ -9,6 +9,9 @@ use super::estimate::{Column, Estimate, Noise, enough, judge};
 use super::free::{Free, check, check_branches};
 use super::problem::{Model, Problem};
 use super::{Body, BodyModel, CalibrationError, Property};
+
+/// A fit that changes an unknown by more than this factor follows a slope that no value ends.
+const RUN_AWAY: f64 = 1e3;
 
 /// Branch of a loop of pressure and deformation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -181,7 +184,10 @@ pub fn fit(
     fit_settled(
         bodies,
         |bodies| BodyModel::of_all(bodies, unknowns, readings_pa),
-        |models| fit_model(&Free { observations, models, most_pa }, bodies, unknowns, (settings, most_pa)),
+        |models| {
+            let free = Free { observations, models, most_pa };
+            fit_model(&free, bodies, unknowns, (settings, most_pa)).map_err(|error| free.explained(bodies, error))
+        },
     )
 }
 
@@ -240,7 +246,10 @@ pub(super) fn fit_model(
         column *= columns[k].tolerance / tolerances[k];
     }
     let advise = |named: &[usize]| advice(&named.iter().map(|k| unknowns[*k].property).collect::<Vec<_>>());
-    let judged = judge(&columns, &end.local.residuals, &jacobian, settings, advise)?;
+    let residuals = &end.local.residuals;
+    let judged = judge(&columns, residuals, &jacobian, settings, advise);
+    let judged =
+        judged.map_err(|error| not_reproduced(&columns, &starts, (residuals, &jacobian), settings).unwrap_or(error))?;
     if !end.settled {
         return Err(CalibrationError::NotSettled { steps: end.steps });
     }
@@ -272,6 +281,33 @@ pub(super) fn fit_model(
         condition: judged.condition,
         steps: end.steps,
         models: Vec::new(),
+    })
+}
+
+/// The refusal of data that no values reproduce: the unknowns run away, or only the residuals keep the data from telling them.
+/// `None` where the data themselves tell too little.
+fn not_reproduced(
+    columns: &[Column],
+    starts: &[f64],
+    (residuals, jacobian): (&DVector<f64>, &DMatrix<f64>),
+    settings: &Settings,
+) -> Option<CalibrationError> {
+    let has_run_away = |(column, start): &(&Column, &f64)| {
+        let ratio = column.value / **start;
+        ratio.is_finite() && !(1.0 / RUN_AWAY..=RUN_AWAY).contains(&ratio.abs())
+    };
+    let run_away: Vec<&Column> = columns.iter().zip(starts).filter(has_run_away).map(|(column, _)| column).collect();
+    let exact = DVector::zeros(residuals.len());
+    let told = || judge(columns, &exact, jacobian, settings, |_| String::new()).is_ok();
+    let named = match run_away.is_empty() {
+        true if told() => columns.iter().collect(),
+        true => return None,
+        false => run_away,
+    };
+    let off = residuals.amax();
+    (off > 1.0).then(|| CalibrationError::NotReproduced {
+        names: named.into_iter().map(|column| column.name.clone()).collect(),
+        off,
     })
 }
 

@@ -134,6 +134,37 @@ impl Free<'_> {
         rows.iter().enumerate().map(of_row).collect()
     }
 
+    /// An error of a fit, with the cause where no values reproduce the data because a deformation has the opposite sign.
+    pub(super) fn explained(&self, bodies: &[Body], error: CalibrationError) -> CalibrationError {
+        if !matches!(error, CalibrationError::NotReproduced { .. }) {
+            return error;
+        }
+        let modelled = self.values(bodies);
+        let opposite = (0..self.observations.len()).find_map(|row| self.opposite(bodies, &modelled, row));
+        opposite.unwrap_or(error)
+    }
+
+    /// The error of an observation if all changes of its kind have the opposite sign of the model's.
+    fn opposite(&self, bodies: &[Body], modelled: &[Option<f64>], row: usize) -> Option<CalibrationError> {
+        let Observation { body, quantity, reading_pa, .. } = self.observations[row];
+        let rest = bodies[body].at_rest(quantity);
+        let changes = |row: usize| {
+            let seen = &self.observations[row];
+            let measured = seen.value - rest;
+            // Noise about zero has either sign.
+            Some([measured, modelled[row]? - rest]).filter(|_| measured.abs() > seen.accuracy)
+        };
+        let alike = |row: &usize| (self.observations[*row].body, self.observations[*row].quantity) == (body, quantity);
+        let mut of_kind = (0..modelled.len()).filter(alike).filter_map(changes);
+        if !of_kind.all(|[measured, model]| measured * model < 0.0) {
+            return None;
+        }
+        let shown = |change: f64| format!("{:.4} {}", change * quantity.display_scale(), quantity.display_unit());
+        let [measured, modelled] = changes(row)?.map(|change| shown(change).trim_end().to_owned());
+        let (body, quantity) = (bodies[body].name.clone(), quantity.label());
+        Some(CalibrationError::OppositeSign { body, quantity, reading_pa, measured, modelled })
+    }
+
     fn refused(&self, bodies: &[Body], row: usize, why: NoAnswer) -> Refused {
         let seen = &self.observations[row];
         let too_soft = matches!(why, NoAnswer::BeyondLimit(_));

@@ -91,6 +91,12 @@ const COLUMNS: [Known<Kind>; 7] = [
     Known { name: "force_n", kind: Kind::Force, factor: 1.0, shift: 0.0, range: [-1e5, 1e5] },
 ];
 
+/// Remedy for forces without a section: a table of one test takes an option.
+const SECTION_OF_ONE: &str = "a force needs the undeformed section: give it as `--section \"6 mm2\"`";
+/// The same for a table of several materials, whose specimens may have different sections.
+const SECTION_OF_SEVERAL: &str =
+    "a force needs the undeformed section, for which this table has no place: give nominal stresses";
+
 /// The column that names a material.
 const MATERIAL: &str = "material";
 
@@ -103,7 +109,7 @@ impl Tension {
     pub fn read(text: &str, section_m2: Option<f64>) -> Result<Self, TableError> {
         let table = Table::cut(text)?;
         table.only(&COLUMNS, &[])?;
-        let points = points(&table, section_m2)?;
+        let points = points(&table, section_m2, SECTION_OF_ONE)?;
         Ok(Self { points: points.into_iter().map(|(_, point)| point).collect() })
     }
 
@@ -116,7 +122,7 @@ impl Tension {
         table.only(&COLUMNS, &[MATERIAL])?;
         let place = table.place(MATERIAL).ok_or_else(|| table.header_error(format!("no column `{MATERIAL}`")))?;
         let mut tests: Vec<(String, Self)> = Vec::new();
-        for (row, point) in points(&table, None)? {
+        for (row, point) in points(&table, None, SECTION_OF_SEVERAL)? {
             let name = row.text(place);
             if name.is_empty() {
                 return Err(row.refused(place, MATERIAL, "a name".into()));
@@ -140,8 +146,12 @@ impl Tension {
     }
 }
 
-/// The rows of a table, each with its stretch and nominal stress, Pa.
-fn points(table: &Table, section_m2: Option<f64>) -> Result<Vec<(&Row, [f64; 2])>, TableError> {
+/// The rows of a table, each with its stretch and nominal stress, Pa; `no_section` is the error of forces without a section.
+fn points<'a>(
+    table: &'a Table,
+    section_m2: Option<f64>,
+    no_section: &str,
+) -> Result<Vec<(&'a Row, [f64; 2])>, TableError> {
     let there = table.columns(&COLUMNS);
     let one_of = |wanted: &[Kind], what: &str| match there.iter().filter(|c| wanted.contains(&c.1.kind)).count() {
         1 => Ok(*there.iter().find(|c| wanted.contains(&c.1.kind)).unwrap_or(&there[0])),
@@ -154,7 +164,7 @@ fn points(table: &Table, section_m2: Option<f64>) -> Result<Vec<(&Row, [f64; 2])
     let stress = one_of(&[Kind::Stress, Kind::Force], "stress or force")?;
     let divisor = match (stress.1.kind, section_m2) {
         (Kind::Force, Some(section)) => section,
-        (Kind::Force, None) => return Err(table.header_error("a force needs the undeformed section".into())),
+        (Kind::Force, None) => return Err(table.header_error(no_section.into())),
         (_, Some(_)) => return Err(table.header_error("a stress is already per section: give a force".into())),
         (_, None) => 1.0,
     };
@@ -194,9 +204,13 @@ pub fn fit_tension(
     settings.check()?;
     let points = &test.points;
     let most_pa = points.iter().map(|point| point[1].abs()).fold(0.0, f64::max);
+    if most_pa == 0.0 {
+        let (field, place) = ("nominal_stress_pa", "every row of the tensile test".into());
+        return Err(CalibrationError::Invalid { field, value: 0.0, place, allowed: "one row at least with a stress" });
+    }
     let accuracy_pa = accuracy * most_pa;
     if !(accuracy_pa.is_finite() && accuracy_pa > 0.0) {
-        let (place, allowed) = ("the tensile test".into(), "> 0, with a stress that is not 0");
+        let (place, allowed) = ("the tensile test".into(), "finite and > 0");
         return Err(CalibrationError::Invalid { field: "accuracy", value: accuracy, place, allowed });
     }
     let names = law.names();

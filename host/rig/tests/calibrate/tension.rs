@@ -141,7 +141,11 @@ fn bad_tables_are_told_line_column_value_and_what_is_allowed() {
             "line 1: 2 columns of stretch; give one of stretch, strain, strain_percent",
         ),
         ("stretch,stretch\n1,1\n", None, "line 1: there are two columns `stretch`"),
-        ("stretch,force_n\n1,1\n", None, "line 1: a force needs the undeformed section"),
+        (
+            "stretch,force_n\n1,1\n",
+            None,
+            "line 1: a force needs the undeformed section: give it as `--section \"6 mm2\"`",
+        ),
         ("stretch,nominal_stress_pa\n1,1\n", Some(1e-6), "line 1: a stress is already per section: give a force"),
     ] {
         assert_eq!(Tension::read(text, section).unwrap_err().to_string(), expected, "{text:?}");

@@ -164,3 +164,58 @@ fn what_cannot_be_done_is_refused_at_its_line() {
     );
     assert!(text.contains("`wrist` is at its lowest pressure, 0"), "{text}");
 }
+
+/// A bender and an extender hang down under a hook: two setpoints, which leave the tip where the load has it.
+const HOOK: &str = r#"
+format = 1
+name = "hook"
+[windings.hoop]
+angle = "4 deg"
+families = 2
+thread = { stiffness = "772 N", diameter = "0.178 mm", starts = 2 }
+[limb]
+base_position = [0, 0, 1.0]
+base_direction = [0, 0, -1]
+base_up = [1, 0, 0]
+connector = { length = "15 mm", mass = "60 g" }
+end_effector = { name = "hook", length = "30 mm", mass = "30 g" }
+[[module]]
+name = "bend"
+motion = "bending"
+actuators = 2
+arrangement = "row"
+spacing = "40 mm"
+spacers = 3
+inner_radius = "12 mm"
+outer_radius = "18 mm"
+length = "120 mm"
+material = "Dragon Skin 30"
+[[module]]
+name = "reach"
+motion = "extension"
+actuators = 3
+circle_radius = "35 mm"
+spacers = 3
+inner_radius = "10 mm"
+outer_radius = "15 mm"
+length = "100 mm"
+material = "Dragon Skin 30"
+winding = "hoop"
+[[phase]]
+name = "go"
+payload = "20 kg"
+duration = "2 s"
+hold = "1 s"
+targets = { bend = { bend_angle = "25 deg" }, reach = { axial_stretch = 1.1 } }
+[limits]
+pressure_max = "100 kPa"
+[weight]
+"#;
+
+#[test]
+fn load_beyond_the_statics_is_refused() {
+    let text = refused(&parsed(HOOK));
+    assert!(text.contains("deforms too far under its load") && text.contains("payload capacity"), "{text}");
+    let text = refused(&parsed(&HOOK.replace("20 kg", "1.2 kg")));
+    assert!(text.contains("`bend` would need more than 97.00 kPa"), "{text}");
+}

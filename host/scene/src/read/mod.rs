@@ -25,6 +25,8 @@ use super::reader::{Log, Reader};
 use super::schema;
 use super::source::{Source, Span};
 
+pub use parts::check_law;
+
 /// Reads all of a scene, then gives it or everything that is wrong with it.
 pub(super) fn scene(source: Source) -> Result<Scene, SceneError> {
     let empty = || Problem::new("the scene is empty").help("start from one of the files in scenes/");

@@ -123,13 +123,42 @@ fn material(reader: &Reader<'_>) -> Option<Elastomer> {
     Some(Elastomer { law, stretch_max, density_kg_per_m3: *density? })
 }
 
+/// Names of the coefficients of a Yeoh law, each with its range, MPa.
+const YEOH_MPA: [(&str, [f64; 2]); 3] = [("C1", [0.0005, 50.0]), ("C2", [-50.0, 50.0]), ("C3", [-50.0, 50.0])];
+
 fn yeoh_coefficients(reader: &Reader<'_>, name: &str) -> Option<[f64; 3]> {
-    const MAX_MPA: f64 = 50.0;
     let Some(value) = reader.value(name) else { return reader.missing(name, " with `law = \"yeoh\"`") };
     let [c1, c2, c3] = triple(reader.log(), value, name)?;
-    let coefficient = |value, min| number_in(reader.log(), value, name, &Unit::MPA, min, MAX_MPA);
-    let all = (coefficient(c1, 0.0005), coefficient(c2, -MAX_MPA), coefficient(c3, -MAX_MPA));
+    let coefficient =
+        |value, (_, [min, max]): (&str, [f64; 2])| number_in(reader.log(), value, name, &Unit::MPA, min, max);
+    let all = (coefficient(c1, YEOH_MPA[0]), coefficient(c2, YEOH_MPA[1]), coefficient(c3, YEOH_MPA[2]));
     Some([*all.0?, *all.1?, *all.2?])
+}
+
+/// Refuses a law that a scene refuses: a fit knows no such ranges.
+///
+/// # Errors
+/// The first coefficient out of range, with its value and the range.
+pub fn check_law(law: &Material<f64>) -> Result<(), String> {
+    match law {
+        Material::NeoHookean { shear_modulus_pa } => {
+            let schema::Quantity { name, min, max, .. } = schema::material::SHEAR_MODULUS;
+            check_modulus(name, *shear_modulus_pa, [min, max])
+        }
+        Material::Yeoh { c_pa } => {
+            YEOH_MPA.iter().zip(c_pa).try_for_each(|((name, range), c_pa)| check_modulus(name, *c_pa, *range))
+        }
+    }
+}
+
+/// Refuses a modulus, Pa, out of a range, MPa.
+fn check_modulus(name: &str, pa: f64, [min, max]: [f64; 2]) -> Result<(), String> {
+    let unit = &Unit::MPA;
+    if (unit.scale.to_si(min)..=unit.scale.to_si(max)).contains(&pa) {
+        return Ok(());
+    }
+    let (value, min, max) = (unit.show_si(pa), unit.show(min), unit.show(max));
+    Err(format!("{name} = {value} is not allowed in a scene: {min} to {max}"))
 }
 
 fn winding(reader: &Reader<'_>) -> Option<Winding> {

@@ -8,14 +8,17 @@ use clap::Args;
 
 use super::super::shared::{about, read};
 use super::super::{Failure, Outcome};
-use super::print::{printed, printed_models, table};
+use super::print::{printed, printed_models, shown, table};
 use super::specimens::{self, Specimen};
-use super::{Files, Fitted, Fitting, Per, Unknowns};
+use super::{CHECK_UNITS, Files, Fitted, Fitting, Per, Unknowns};
 use softlimb_rig::calibrate::{
-    Body, Branch, Fit, Loaded, Observation, Points, Property, Unknown, fit, fit_loaded, picture,
+    Body, Branch, Estimate, Fit, Loaded, Observation, Points, Property, Unknown, fit, fit_loaded, picture,
 };
 use softlimb_scene as scene;
 use softlimb_scene::{Scene, WoundActuator};
+
+/// Factor between the fitted modulus and that of the scene beyond which the units of the columns are in doubt.
+const FAR: f64 = 3.0;
 
 /// Fit actuators to a table of pressures and deformations
 #[derive(Args)]
@@ -162,6 +165,20 @@ fn distinct(seen: Vec<Seen>) -> (Vec<Seen>, Vec<String>) {
     (kept.into_iter().map(|(seen, _)| seen).collect(), warnings)
 }
 
+/// A warning of a modulus far from that of the scene: pressures in another unit give one without a residual.
+fn far_from_start(estimate: &Estimate) -> Option<String> {
+    if !matches!(estimate.property, Property::ShearModulus | Property::YeohC1) {
+        return None;
+    }
+    let ratio = estimate.value / estimate.start;
+    let [(value, unit), (start, _)] = [estimate.value, estimate.start].map(|value| shown(estimate.property, value));
+    let text = || {
+        let name = &estimate.name;
+        format!("fitted {name}, {value:.6} {unit}, is {ratio:.3} times the scene's {start:.6} {unit}: {CHECK_UNITS}")
+    };
+    (!(1.0 / FAR..=FAR).contains(&ratio)).then(text)
+}
+
 impl Unknowns {
     /// Whether a scene has a place for one of the unknowns.
     pub(super) fn written(&self) -> bool {
@@ -201,6 +218,7 @@ impl Unknowns {
             let (from, value) = (&seen[k].from, observations[k].value);
             format!("{from} does not fit: {value} is {ratio:.1} times the scatter of the others off the model")
         }));
+        warnings.extend(fit.estimates.iter().filter_map(far_from_start));
         let measured = source.modules.iter().zip(&fit.models);
         let measured = measured.filter(|(module, _)| seen.iter().any(|of| of.module == **module));
         for (module, model) in measured {

@@ -9,11 +9,11 @@ use serde::Serialize;
 
 use super::super::shared::{about, above_zero, read};
 use super::super::{Failure, Outcome};
-use super::{Files, Fitted, Fitting};
+use super::{CHECK_UNITS, Files, Fitted, Fitting};
 use softlimb_limb::{Limb, largest_stretch};
 use softlimb_rig::calibrate::{Law, Tension, TensionFit, fit_tension, tension_picture};
 use softlimb_scene as scene;
-use softlimb_scene::{Quantity, Scene, WoundActuator};
+use softlimb_scene::{Quantity, Scene, WoundActuator, check_law};
 
 /// Fit the law of a material to a tensile test
 #[derive(Args)]
@@ -72,14 +72,18 @@ impl TensionMode {
         let about = about(&self.test);
         let section_m2 = self.section.as_ref().map(Quantity::si);
         let test = Tension::read(&read(&self.test)?, section_m2).map_err(|error| about(&error))?;
-        let test = self.up_to.as_ref().map_or_else(|| test.clone(), |stretch| test.up_to(stretch.si()));
+        let test = self.kept(test).map_err(|error| about(&error))?;
         let fit = fit_tension(&test, self.law.into(), self.fitting.accuracy.si(), &self.fitting.settings());
         let fit = fit.map_err(|error| about(&error))?;
         let scene = self.scene.as_ref().map(scene::load).transpose()?;
         let mut warnings = warnings(&fit);
         let wanted = match &scene {
             Some(scene) => Some(self.with_material(scene, &fit, &mut warnings)?),
-            None => None,
+            None => {
+                // A scene refuses the law itself.
+                warnings.extend(check_law(&fit.material).err().map(|error| format!("{error}: {CHECK_UNITS}")));
+                None
+            }
         };
         let fitted = Fitted {
             table: table(&test, &fit, self.fitting.confidence.si()),
@@ -89,6 +93,21 @@ impl TensionMode {
             warnings,
         };
         fitted.finish(&self.fitting, &self.files)
+    }
+
+    /// The rows up to `--up-to`. Rows without stress fit no law.
+    fn kept(&self, test: Tension) -> Result<Tension, String> {
+        let Some(up_to) = &self.up_to else { return Ok(test) };
+        let kept = test.up_to(up_to.si());
+        let is_loaded = |point: &&[f64; 2]| point[1] != 0.0;
+        let loaded = || test.points().iter().filter(is_loaded).map(|point| point[0]);
+        if kept.points().iter().any(|point| is_loaded(&point)) || loaded().next().is_none() {
+            return Ok(kept);
+        }
+        let [low, high] = [loaded().fold(f64::INFINITY, f64::min), loaded().fold(0.0, f64::max)];
+        Err(format!(
+            "`--up-to {up_to}` keeps no row of the test that has a stress: their stretches are {low} to {high}, give a stretch in this range"
+        ))
     }
 
     /// The scene's actuators with the fitted material, and a warning where the limb stretches it further than the test did.

@@ -12,7 +12,7 @@ use softlimb_scene::Scene;
 
 pub use loaded::refused;
 
-use super::{Failure, Outcome, note, warn};
+use super::{Failure, Outcome, warn};
 
 /// Design a limb for a scene, actuators by eq. (14) of the paper, or a bundle by eq. (18)
 #[derive(Args)]
