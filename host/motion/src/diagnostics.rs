@@ -503,7 +503,7 @@ fn no_state(cause: &NoState, module: &LimbModule) -> String {
             format!("`{}` would need {}: a vacuum, which the valves cannot make", module.name, kpa(*pressure))
         }
         NoState::OverPressure(pressure) if kpa(*pressure) == allowed => format!(
-            "`{}` would need more than {allowed}, which the device follows, a margin below `pressure_max` of {limit}",
+            "`{}` would need more than {allowed}; the device follows up to this, a margin below `pressure_max` of {limit}",
             module.name
         ),
         NoState::OverPressure(pressure) => {

@@ -206,7 +206,7 @@ name = "go"
 payload = "20 kg"
 duration = "2 s"
 hold = "1 s"
-targets = { bend = { bend_angle = "25 deg" }, reach = { axial_stretch = 1.1 } }
+targets = { bend = { bend_angle = "35 deg" }, reach = { axial_stretch = 1.15 } }
 [limits]
 pressure_max = "100 kPa"
 [weight]
