@@ -174,7 +174,7 @@ fn between(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
 }
 
 /// Error of the finest statics, as a share of the limb's length, above which the limb is so far from its unloaded shape that no plan is made.
-const STATICS_ERROR_MAX: f64 = 0.05;
+const STATICS_ERROR_MAX: f64 = 0.1;
 
 /// Plans all phases of a scene. The warnings of the plan are left to those who have the words.
 ///

@@ -12,7 +12,7 @@ use softlimb_scene::Scene;
 
 pub use loaded::refused;
 
-use super::{Failure, Outcome, warn};
+use super::{Failure, Outcome, note, warn};
 
 /// Design a limb for a scene, actuators by eq. (14) of the paper, or a bundle by eq. (18)
 #[derive(Args)]
@@ -42,6 +42,9 @@ impl Design {
 
 /// States warnings, and what `fabricate` says of the windings, which the search does not choose.
 fn windings(designed: &Scene, warnings: &[String]) -> Outcome {
-    let advice = advice(designed, &Settings::default());
-    warn(&[warnings, &advice].concat())
+    let outcome = warn(warnings);
+    for text in advice(designed, &Settings::default()) {
+        note(&format!("warning: {text}"));
+    }
+    outcome
 }
