@@ -88,7 +88,7 @@ const RETURN_PA: f32 = 2e3;
 const RETURN_S: [f32; 2] = [0.05, 0.5];
 
 /// Unexplained pressure that is a fault, Pa.
-const EXCESS_PA: f32 = 3.5e3;
+pub(crate) const EXCESS_PA: f32 = 3.5e3;
 const MISSING_PA: f32 = 3.5e3;
 
 /// Pressure fall with closed valves that is no fault, in addition to creep and cooling, Pa/s. A moved chamber or noise can cause it.
@@ -316,7 +316,9 @@ impl AirBalance {
                 returning_pa,
             };
             self.has_jumped = risen_pa + vent.most(pulse_doubt) * self.vented_pa + doubt_pa < -MISSING_PA;
-            if drop_pa == 0.0 && from_drop_pa == 0.0 {
+            // Vents of an empty chamber teach nothing.
+            let is_telling = pressure_pa >= EMPTY_PA || self.vented_pa == 0.0;
+            if drop_pa == 0.0 && from_drop_pa == 0.0 && is_telling {
                 self.learn(risen_pa);
             }
         }
@@ -445,6 +447,16 @@ mod tests {
         assert_eq!(after(vented.clone().chain((0..40).map(|_| (1.05e3, 1.55e3)))).finding(), None);
         let half_open = (0..40).map(|_| (1.05e3, 2.5e3));
         assert_eq!(after(vented.chain(half_open)).finding(), Some(FaultCode::ExcessAir));
+    }
+
+    #[test]
+    fn vents_of_an_empty_chamber_teach_no_gain() {
+        let mut balance = AirBalance::new();
+        for now_us in (0..800_000).step_by(20_000) {
+            balance.measure(&Measurement { now_us, pressure_pa: 0.1e3, ..SETTLED });
+            balance.pulse(-3e3, 0.3);
+        }
+        assert_eq!((balance.vent, balance.finding()), (Gain::UNKNOWN, None));
     }
 
     #[test]

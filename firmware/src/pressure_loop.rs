@@ -7,7 +7,7 @@
 mod plain;
 
 use crate::adapt::{Adaptation, Effect};
-use crate::air_balance::{AirBalance, Measurement};
+use crate::air_balance::{AirBalance, EXCESS_PA, Measurement};
 use crate::fine_regulation::{FineRegulation, Pair};
 use crate::gas::Chamber;
 use crate::pneumatics::Pneumatics;
@@ -34,9 +34,10 @@ const ABOVE_PA: f32 = 900.0;
 const HINDERED_DROPS: f32 = 3.0;
 const HINDERED_PA: f32 = 6e3;
 
-/// Largest swing of the reading after a short pulse in a sound line: a multiple of the modelled steady drop, plus a pressure, Pa.
+/// Largest swing of the reading after a short pulse in a sound line: a multiple of the modelled steady drop, plus a pressure, Pa. What exceeds
+/// it is a finding, so it is no less than the limit of excess air.
 const SWING_DROPS: f32 = 0.3;
-const SWING_PA: f32 = 3.5e3;
+const SWING_PA: f32 = EXCESS_PA;
 
 /// Relative uncertainty of a valve's opening delay, and the largest relative uncertainty of a pulse's effect that results.
 const DELAY_DOUBT: f32 = 0.1;
