@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// An operation on a file that failed.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot {doing} {}: {}", path.display(), explained(source))]
+#[error("cannot {doing} {}: {}", path.display(), explained(doing, source))]
 pub struct FileError {
     /// `read`, `write`, `create`.
     pub doing: &'static str,
@@ -77,12 +77,19 @@ fn replace(place: &Place, content: &[u8]) -> io::Result<()> {
     part.persist(path).map(drop).map_err(|error| error.error)
 }
 
-/// The operating system's words, with what to do where it is clear.
-fn explained(error: &io::Error) -> String {
+/// The cause in words, with what to do where it is clear; else in those of the operating system.
+fn explained(doing: &str, error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
             format!("{error}: free some space, or set TMPDIR to a folder on another disk")
         }
+        io::ErrorKind::NotFound if doing == "write" => "its folder does not exist".to_owned(),
+        io::ErrorKind::NotFound => "no such file or folder".to_owned(),
+        io::ErrorKind::AlreadyExists => "a file of this name is there, and no folder".to_owned(),
+        io::ErrorKind::NotADirectory => "a part of the path is a file, and no folder".to_owned(),
+        io::ErrorKind::IsADirectory => "it is a folder, and no file".to_owned(),
+        io::ErrorKind::PermissionDenied => "no permission".to_owned(),
+        io::ErrorKind::ReadOnlyFilesystem => "the disk is read-only".to_owned(),
         _ => error.to_string(),
     }
 }

@@ -29,6 +29,8 @@ use softlimb_scene::{Corrections, Goal, Phase, Scene, SceneError, Shaping, Span}
 const POINTS: usize = 3;
 /// A point that is farther away by less than this, m, is as near.
 const SAME_M: f64 = 1e-4;
+/// Upward part of the base's direction below which a limb hangs.
+const HANGS: f64 = -0.9;
 /// A pressure within this fraction of an end of its range is at that end.
 const AT_END: f64 = 1e-6;
 
@@ -388,9 +390,20 @@ impl Words<'_> {
             Some(0) => "the limb does not carry its own weight at rest",
             _ => "the limb does not carry its load in this phase",
         };
-        let help = "let it hang (`base_direction`), give its modules `spacers`, or make it lighter or stiffer; \
-                    `softlimb design limb` sizes a limb for its load";
-        self.at(self.phase(phase).span, title, &label, Some(help))
+        self.at(self.phase(phase).span, title, &label, Some(&self.stiffer()))
+    }
+
+    /// What makes a limb carry more, without what it has.
+    fn stiffer(&self) -> String {
+        let hangs = self.scene.limb().base_direction[2] < HANGS;
+        let plain = self.scene.modules().iter().any(|module| module.actuators > 1 && module.spacers == 0);
+        let ways = [
+            (!hangs).then_some("let it hang (`base_direction`)"),
+            plain.then_some("give its modules `spacers`"),
+            Some("make it lighter or stiffer"),
+        ];
+        let ways: Vec<_> = ways.into_iter().flatten().collect();
+        format!("{}; `softlimb design limb` sizes a limb for its load", ways.join(", or "))
     }
 
     fn uncertain(&self, phase: usize, error: f64) -> SceneError {

@@ -38,7 +38,7 @@ pub use diagnostics::{corrected, margins, plan, sent, swings, vibrations};
 pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, solve, solve_tip};
 pub use inverses::{ModuleInverse, check_goals, inverses};
 pub use jacobian::tip_slopes;
-pub use payload::{Carried, Carrying, carried, payload_kg};
+pub use payload::{Carried, Carrying, carried, payload_kg, payload_warnings};
 pub use plan::{Plan, PlannedPhase, held_share};
 pub use sent::Sent;
 pub use upright::Upright;

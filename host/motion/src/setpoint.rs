@@ -42,16 +42,26 @@ pub(super) fn state_at(module: &LimbModule, start: &State<f64>, value: f64) -> R
         return Err(NoState::Vacuum(pressure_pa));
     }
     if pressure_pa > module.reference_max_pa * (1.0 + 1e-9) {
-        return Err(NoState::OverPressure(pressure_pa));
+        // An equilibrium at a high pressure may lie on a branch that begins elsewhere than at rest.
+        return Err(if is_other_way(module, value) { other_way(module) } else { NoState::OverPressure(pressure_pa) });
     }
     Ok(solution.state)
 }
 
+/// Whether pressure moves a module away from a setpoint.
+fn is_other_way(module: &LimbModule, value: f64) -> bool {
+    let (rest, end) = module.range();
+    (value - rest) * (end - rest) < 0.0
+}
+
+fn other_way(module: &LimbModule) -> NoState {
+    NoState::Invalid(format!("pressure moves `{}` the other way", module.name))
+}
+
 /// The state of a module whose actuators have no other model than their curve.
 fn on_curve(module: &LimbModule, value: f64) -> Result<State<f64>, NoState> {
-    let (rest, end) = module.range();
     if module.kind == StateQuantity::Pressure {
-        let allowed_pa = end * (1.0 + 1e-9);
+        let allowed_pa = module.range().1 * (1.0 + 1e-9);
         return match value {
             _ if value < -1.0 => Err(NoState::Vacuum(value)),
             _ if value <= allowed_pa => Ok(module.curve.at(value)),
@@ -60,7 +70,7 @@ fn on_curve(module: &LimbModule, value: f64) -> Result<State<f64>, NoState> {
         };
     }
     module.state_at(value).ok_or_else(|| match module.curve.limit_point_pa() {
-        _ if (value - rest) * (end - rest) < 0.0 => NoState::BeyondLimit(None),
+        _ if is_other_way(module, value) => other_way(module),
         None => NoState::Invalid(format!(
             "`{}` does not reach this below {:.2} kPa, which the device follows up to",
             module.name,
@@ -72,17 +82,17 @@ fn on_curve(module: &LimbModule, value: f64) -> Result<State<f64>, NoState> {
 
 /// The state of a module whose plates hold its actuators back: by its curve, which is the model of the bundle.
 fn held_back(module: &LimbModule, value: f64) -> Result<State<f64>, NoState> {
-    let (rest, end) = module.range();
-    let within = module.kind != StateQuantity::Pressure || value <= end * (1.0 + 1e-9);
+    let within = module.kind != StateQuantity::Pressure || value <= module.range().1 * (1.0 + 1e-9);
     let found = module.state_at(value).filter(|_| within);
     if let Some(state) = found {
         let vacuum = module.kind == StateQuantity::Pressure && value < -1.0;
         return if vacuum { Err(NoState::Vacuum(value)) } else { Ok(state) };
     }
+    if is_other_way(module, value) {
+        return Err(other_way(module));
+    }
     let (pressure_pa, share) = module.twist_share().unwrap_or_default();
-    let why = if (value - rest) * (end - rest) < 0.0 {
-        format!("`{}` moves the other way", module.name)
-    } else if pressure_pa < module.reference_max_pa * (1.0 - 1e-9) {
+    let why = if pressure_pa < module.reference_max_pa * (1.0 - 1e-9) {
         format!(
             "plates hold the actuators of `{}` back: it ends at {:.2} kPa, where they lean too far or touch, with {:.0} % of the twist of one alone",
             module.name,

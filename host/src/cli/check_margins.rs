@@ -28,11 +28,16 @@ pub(super) fn rows(plan: &Plan, margins: &[Margins]) -> Vec<String> {
     [heading, units].into_iter().chain(plan.phases.iter().zip(margins).map(row)).collect()
 }
 
-/// The factor as printed: the largest stands for all that are larger.
+/// A load factor as printed: the largest stands for all that are larger.
 pub(super) fn load_factor(factor: f64) -> String {
-    if factor < LOAD_FACTOR_MAX { format!("{factor:.2}") } else { format!("> {factor:.0}") }
+    up_to(LOAD_FACTOR_MAX, factor, 2)
 }
 
 fn buckling_margin(margin: f64) -> String {
-    if margin < BUCKLING_MARGIN_MAX { format!("{margin:.1}") } else { format!("> {margin:.0}") }
+    up_to(BUCKLING_MARGIN_MAX, margin, 1)
+}
+
+/// A value that is computed up to a largest, which stands for all that are larger.
+pub(super) fn up_to(largest: f64, value: f64, digits: usize) -> String {
+    if value < largest { format!("{value:.digits$}") } else { format!("> {largest:.0}") }
 }

@@ -66,7 +66,7 @@ impl DevicePort {
 pub(super) struct MeasuringDevice {
     #[command(flatten)]
     port: DevicePort,
-    /// Configure the device for a scene first: it measures only then
+    /// Configure the device for a scene first: it measures only then. It may open vent valves to zero its sensors, and refuses while it runs or holds
     #[arg(long, value_name = "SCENE")]
     scene: Option<PathBuf>,
 }

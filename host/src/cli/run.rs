@@ -112,7 +112,7 @@ impl Run {
         let plan = motion::plan(&scene, &limb)?;
         let margins = margin_warning(&scene, &limb, &plan)?;
         let windings = limb.winding_warnings(&scene);
-        let moved = motion::moved_warnings(&scene, &limb, &plan);
+        let moved = [motion::payload_warnings(scene.phases()), motion::moved_warnings(&scene, &limb, &plan)].concat();
         let planned = (limb.clone(), plan);
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()));
         let bar = bar(1000, "running");

@@ -110,6 +110,7 @@ impl<'a> CheckResult<'a> {
             advice(scene, &Settings::default()),
             motion::valve_warnings(scene, limb),
             plan.gripper_warnings(scene.gripper_time_s()),
+            motion::payload_warnings(scene.phases()),
             motion::moved_warnings(scene, limb, &plan),
         ]
         .concat();

@@ -45,6 +45,22 @@ fn hold_that_is_too_short_for_the_gripper_is_a_warning() {
     assert!(!none.err.contains("gripper"), "{}", none.err);
 }
 
+#[test]
+fn mass_that_no_gripper_hands_over_is_a_warning() {
+    let scene = include_str!("../../../scenes/loaded/carry-hanging.toml");
+    let desk = Desk::new();
+    desk.put("handed.toml", scene);
+    let handed = desk.softlimb("check handed.toml");
+    assert!(!handed.err.contains("hands it over"), "{}", handed.err);
+    desk.put("thrown.toml", scene.replace("gripper = \"open\"\n", "").replace("gripper = \"close\"\n", ""));
+    let thrown = desk.softlimb("check thrown.toml");
+    assert_eq!(thrown.code, Some(3), "{thrown:?}");
+    let words = "`reach` ends with 0.00 kg at the tip and `pick` begins with 1.00 kg: the setpoints jump with the mass, \
+                 since no `gripper` hands it over";
+    assert!(thrown.err.contains(words), "{}", thrown.err);
+    assert!(!thrown.err.contains("`lift` ends"), "{}", thrown.err);
+}
+
 /// The line of the scene, from 1, on which the mistake begins.
 fn line_of(mistake: &Mistake) -> usize {
     let at = SCENE.find(mistake.from).expect("the scene has the passage");

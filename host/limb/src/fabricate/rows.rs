@@ -190,7 +190,12 @@ fn worth(winding: &Winding) -> Option<Table> {
         ),
     ];
     if let Some(scene) = worth.scene_n_per_m {
-        rows.push(row("sheet of the scene", per_mm(scene), "families x modulus x thickness"));
+        let of = if worth.modulus_pa.is_some() {
+            "families x modulus x thickness"
+        } else {
+            "by its `thread`, without finite elements"
+        };
+        rows.push(row("sheet of the scene", per_mm(scene), of));
     }
     if let Some(modulus) = worth.modulus_pa {
         rows.push(row("modulus to write into the scene", format!("{:.4} MPa", modulus * 1e-6), "with its thickness"));

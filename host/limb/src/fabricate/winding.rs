@@ -48,7 +48,7 @@ pub struct Worth {
     pub scene_n_per_m: Option<f64>,
     /// Share of the strain under pressure that the distance of the turns takes away.
     pub strain_lost: f64,
-    /// `modulus` for the scene's winding, at its thickness, Pa.
+    /// `modulus` for the scene's winding, at its thickness, Pa; `None` where it states a thread.
     pub modulus_pa: Option<f64>,
 }
 
@@ -99,6 +99,8 @@ impl Winding {
             winding.starts = starts;
             if winding.is_hoop {
                 winding.find_worth(parameters, settings, pressure_max_pa);
+                // The scene takes the sheet from the thread.
+                winding.worth.iter_mut().flatten().for_each(|worth| worth.modulus_pa = None);
             }
         } else if winding.is_hoop {
             winding.wind_hoop(parameters, settings, pressure_max_pa);

@@ -73,12 +73,16 @@ fn turns_near_the_hoop_are_as_far_apart_as_the_scene_s_stiffness_asks_for() {
     let text = std::fs::read_to_string(SCENE).unwrap();
     let thread = "thread = { stiffness = \"772 N\", diameter = \"0.178 mm\", starts = 2 }";
     assert!(text.contains(thread));
+    // A scene that states the thread takes its sheet from that, and has no modulus to write.
+    let stated = plan(&parse(&text, "thread.toml").unwrap(), &Settings::default()).unwrap();
+    assert!(stated[0].winding.worth.as_ref().unwrap().as_ref().unwrap().modulus_pa.is_none());
     let text = text.replace(thread, "modulus = \"361 MPa\"\nthickness = \"0.178 mm\"");
     let (settings, scene) = (Settings::default(), parse(&text, "sheet.toml").unwrap());
     let piece = &plan(&scene, &settings).unwrap()[0];
     let winding = &piece.winding;
     assert_eq!(winding.hands, [Hand::Right, Hand::Left]);
     let worth = winding.worth.as_ref().unwrap().as_ref().unwrap();
+    assert!(worth.modulus_pa.is_some());
     // 2 families of 361 MPa and 0.178 mm.
     assert!((worth.scene_n_per_m.unwrap() - 2.0 * 361e6 * 0.178e-3).abs() < 1e-6);
     // What whole threads allow on either side is worth less and more than the scene's sheet.

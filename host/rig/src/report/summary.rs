@@ -139,7 +139,7 @@ pub struct Miss {
     /// Name of the phase.
     pub phase: String,
     /// Mean distance from the setpoint in the last 0.1 s of the hold, by the model at the measured pressure or as the limb was seen, whichever
-    /// is less, as a share of the module's travel in the run.
+    /// is less, as a share of the module's travel in the run, with rest; modules that stay at rest have none.
     pub share_of_travel: f64,
 }
 
@@ -231,7 +231,8 @@ fn misses(info: &RunInfo, samples: &[&Sample]) -> Vec<Miss> {
     let ends: Vec<_> = ends.collect();
     let of_module = |(index, module): (usize, &ModuleInfo)| {
         let setpoints = samples.iter().filter_map(|sample| Some(sample.modules.get(index)?.setpoint));
-        let (low, high) = setpoints.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        // A setpoint of zero is rest, where a run begins and ends.
+        let (low, high) = setpoints.fold((0.0_f64, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
         let travel = high - low;
         let missed = ends.iter().filter_map(|(phase, window)| {
             let values: Vec<_> = window.iter().filter_map(|sample| sample.modules.get(index)).collect();
@@ -244,7 +245,7 @@ fn misses(info: &RunInfo, samples: &[&Sample]) -> Vec<Miss> {
             let off = mean(&|value| Some(value.achieved? - value.setpoint)).map_or(modelled, |seen| seen.min(modelled));
             let share_of_travel = off / travel;
             let miss = Miss { module: module.name.clone(), phase: phase.name.clone(), share_of_travel };
-            (share_of_travel > MISS_SHARE).then_some(miss)
+            (travel > 0.0 && share_of_travel > MISS_SHARE).then_some(miss)
         });
         missed.collect::<Vec<_>>()
     };

@@ -1,8 +1,5 @@
 //! Why a run failed.
 
-use std::io;
-use std::path::{Path, PathBuf};
-
 use softlimb_sim::{EmulatorError, SimError};
 
 use super::RunFiles;
@@ -91,23 +88,9 @@ pub enum RunError {
         /// Error of the run itself, if there was one.
         ended: Option<Box<LinkError>>,
     },
-    /// The report cannot be written.
+    /// The folder of the results cannot be made, or the report cannot be written.
     #[error(transparent)]
-    Report(#[from] FileError),
-    /// The folder for the results cannot be made.
-    #[error("cannot create the folder {}: {source}", path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
-}
-
-impl RunError {
-    pub(super) fn folder(path: &Path, source: io::Error) -> Self {
-        Self::Folder { path: path.to_owned(), source }
-    }
+    File(#[from] FileError),
 }
 
 fn without_log(last_s: Option<f64>, ended: Option<&LinkError>) -> String {

@@ -247,7 +247,7 @@ fn same_drives(planned: &Limb, simulated: &Limb) -> Result<(), RunError> {
 /// Writes the report of a log; under its name there is the whole of it, or what was there before.
 ///
 /// # Errors
-/// [`RunError::Report`].
+/// [`RunError::File`].
 pub fn write_report(path: &Path, log: &RunLog) -> Result<(), RunError> {
     Ok(write_whole(path, &report::html(log))?)
 }
@@ -255,7 +255,7 @@ pub fn write_report(path: &Path, log: &RunLog) -> Result<(), RunError> {
 /// Writes the static report, without scripts.
 ///
 /// # Errors
-/// [`RunError::Report`].
+/// [`RunError::File`].
 pub fn write_still_report(path: &Path, log: &RunLog) -> Result<(), RunError> {
     Ok(write_whole(path, &report::still_html(log))?)
 }

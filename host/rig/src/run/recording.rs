@@ -1,6 +1,5 @@
 //! The recording of a run: what a device does goes to the log, and the log becomes the report.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -19,6 +18,7 @@ use crate::record::{
     Body, DeviceTick, FaultRecord, InjectedFault, Posture, RecordError, Recorder, RunEnd, RunInfo, Sample,
     TargetRecord, WireBytes,
 };
+use softlimb_files::make_folder;
 
 /// Least number of ticks in a message of the log: fewer would be smaller than their header.
 const TICKS: usize = 20;
@@ -123,7 +123,7 @@ pub(super) fn recorded_by<'a, D: Bench, R>(
     out: &Path,
     session: impl FnOnce(&mut D, &mut Recording<'a>) -> Result<R, LinkError>,
 ) -> Result<RunFiles, RunError> {
-    fs::create_dir_all(out).map_err(|error| RunError::folder(out, error))?;
+    make_folder(out)?;
     let path = out.join("run.mcap");
 
     let began = Instant::now();

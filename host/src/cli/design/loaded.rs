@@ -5,15 +5,18 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use crate::cli::check_margins::up_to;
 use crate::cli::shared::show_of;
 use crate::cli::{Failure, Outcome, note};
 use crate::results::margin_warnings;
 use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_text};
 use softlimb_design::loaded::{
-    ActiveBound, ConfirmedPose, Effort, Evaluation, Found, LimbSizes, StandingLimits, active_bounds, search_to_run,
+    ActiveBound, ConfirmedPose, Effort, Evaluation, Found, LOAD_FACTOR_MOST, LimbSizes, StandingLimits, active_bounds,
+    search_to_run,
 };
 use softlimb_files::write_whole;
 use softlimb_limb::Limb;
+use softlimb_limb::statics::BUCKLING_MARGIN_MAX;
 use softlimb_motion as motion;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
@@ -184,14 +187,14 @@ fn phases(text: &mut String, printed: &Printed<'_>) {
         let pressures: Vec<_> = phase.pressures_pa.iter().map(|pressure| format!("{:.1}", 1e-3 * pressure)).collect();
         let _ = writeln!(
             text,
-            "  {:<14} {:7.2} {:9.3} {:11.2} {:9.1} {:8.1} {:8.1} {:8.1} {:>9} {:6.1}  {}",
+            "  {:<14} {:7.2} {:>9} {:>11} {:9.1} {:>8} {:>8} {:8.1} {:>9} {:6.1}  {}",
             phase.name,
             phase.payload_kg,
-            1e3 * phase.tip_error_m,
-            phase.load_factor,
+            known(1e3 * phase.tip_error_m, 3),
+            up_to(limits.load_factor.max(LOAD_FACTOR_MOST), phase.load_factor, 2),
             phase.stiffness_n_per_m,
-            100.0 * phase.sag_m / printed.length_m,
-            phase.buckling_margin,
+            known(100.0 * phase.sag_m / printed.length_m, 1),
+            up_to(BUCKLING_MARGIN_MAX, phase.buckling_margin, 1),
             100.0 * phase.pressure_share,
             phase.spare_m.map_or("-".to_owned(), |spare| format!("{:.1}", 1e3 * spare)),
             phase.tilt_rad.to_degrees(),
@@ -202,6 +205,11 @@ fn phases(text: &mut String, printed: &Printed<'_>) {
         let names: Vec<_> = phase.lacks.iter().map(|margin| margin.name()).collect();
         let _ = writeln!(text, "  phase `{}` lacks: {}", phase.name, names.join(", "));
     }
+}
+
+/// A value, or a dash for a pose that the limb does not reach.
+fn known(value: f64, digits: usize) -> String {
+    if value.is_finite() { format!("{value:.digits$}") } else { "-".to_owned() }
 }
 
 fn bounds(text: &mut String, reached: bool, printed: &Printed<'_>) {

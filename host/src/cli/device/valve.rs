@@ -22,8 +22,8 @@ const EMPTY_PA: f64 = 1_000.0;
     after_help = "The device takes it where it is ready or holding. It closes the valve by itself, watches all faults meanwhile, and stops a\n\
                   filling valve at the channel's highest pressure. It lets the pressure down once it hears no host for a while.\n\
                   A valve without effect is a warning.\n\n\
-                  Examples:\n  softlimb device valve 0 fill 50 --port /dev/ttyACM0\n  \
-                  softlimb device valve 0 vent 0.2s --port /dev/ttyACM0 --scene scenes/single-bending.toml"
+                  Examples:\n  softlimb device valve 0 fill 50 --port /dev/ttyACM0 --scene scenes/single-bending.toml\n  \
+                  softlimb device valve 0 vent 0.2s --port /dev/ttyACM0"
 )]
 pub(super) struct Valve {
     /// Channel, from 0
