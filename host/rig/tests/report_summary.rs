@@ -55,6 +55,29 @@ fn sine_of_whole_periods_has_its_root_mean_square() {
 }
 
 #[test]
+fn module_that_stays_at_rest_misses_no_goal() {
+    let mut run = perfect();
+    // Half a travel off at the ends of all phases: a miss of each.
+    let setpoints = run.samples.iter().map(|sample| sample.modules[1].setpoint);
+    let travel = setpoints.clone().fold(f64::NEG_INFINITY, f64::max) - setpoints.fold(f64::INFINITY, f64::min);
+    for sample in &mut run.samples {
+        let module = &mut sample.modules[1];
+        module.modelled = module.setpoint + 0.5 * travel;
+        module.achieved = Some(module.modelled);
+    }
+    let misses = summary(&run).misses;
+    assert_eq!(misses.len(), run.info.phases.len());
+    assert!(misses.iter().all(|miss| (miss.share_of_travel - 0.5).abs() < 1e-9), "{misses:?}");
+    for sample in &mut run.samples {
+        let module = &mut sample.modules[1];
+        module.setpoint = 1.0;
+        module.modelled = 1.0 + 0.5 * travel;
+        module.achieved = Some(module.modelled);
+    }
+    assert!(summary(&run).misses.is_empty());
+}
+
+#[test]
 fn tip_errors_are_distances_and_split_by_cause() {
     let mut run = perfect();
     for sample in &mut run.samples {

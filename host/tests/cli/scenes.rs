@@ -61,6 +61,17 @@ fn mass_that_no_gripper_hands_over_is_a_warning() {
     assert!(!thrown.err.contains("`lift` ends"), "{}", thrown.err);
 }
 
+/// Threads at 60 deg shorten an actuator. Far above its pressures the balance has a state at twice the length, on a branch that rest does not reach.
+#[test]
+fn target_against_the_winding_is_the_other_way() {
+    let windings = "[windings.steep]\nangle = \"60 deg\"\nfamilies = 2\nradius = \"12 mm\"\nmodulus = \"200 MPa\"\n\
+                    thickness = \"0.2 mm\"\n\n[limb]";
+    let desk = Desk::new();
+    let scene = SCENE.replace("[limb]", windings).replace("\"bending\"", "\"extension\"\nwinding = \"steep\"");
+    desk.put("scene.toml", scene.replace("bend_angle = \"30 deg\"", "axial_stretch = 2.0"));
+    desk.softlimb("check scene.toml").failed(1, &["axial_stretch = 2.0", "pressure moves `finger` the other way"]);
+}
+
 /// The line of the scene, from 1, on which the mistake begins.
 fn line_of(mistake: &Mistake) -> usize {
     let at = SCENE.find(mistake.from).expect("the scene has the passage");

@@ -139,12 +139,15 @@ pub struct Miss {
     /// Name of the phase.
     pub phase: String,
     /// Mean distance from the setpoint in the last 0.1 s of the hold, by the model at the measured pressure or as the limb was seen, whichever
-    /// is less, as a share of the module's travel in the run, with rest; modules that stay at rest have none.
+    /// is less, as a share of the module's travel in the run. A module that stays at rest has no miss.
     pub share_of_travel: f64,
 }
 
 /// Misses below this share of the travel are tracking errors and not worth a warning.
 const MISS_SHARE: f64 = 0.05;
+
+/// Share of a setpoint below which its changes are rounding.
+const AT_REST: f64 = 1e-9;
 
 /// Time before the end of a hold over which a miss is a mean, s: a sensor beside a switching valve reads up to 12 kPa off for 5 ms.
 const MISS_WINDOW_S: f64 = 0.1;
@@ -231,9 +234,12 @@ fn misses(info: &RunInfo, samples: &[&Sample]) -> Vec<Miss> {
     let ends: Vec<_> = ends.collect();
     let of_module = |(index, module): (usize, &ModuleInfo)| {
         let setpoints = samples.iter().filter_map(|sample| Some(sample.modules.get(index)?.setpoint));
-        // A setpoint of zero is rest, where a run begins and ends.
-        let (low, high) = setpoints.fold((0.0_f64, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
+        let (low, high) = setpoints.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         let travel = high - low;
+        // A module that stays at rest, where a run begins, has no travel to compare with.
+        if travel <= AT_REST * high.abs() {
+            return Vec::new();
+        }
         let missed = ends.iter().filter_map(|(phase, window)| {
             let values: Vec<_> = window.iter().filter_map(|sample| sample.modules.get(index)).collect();
             let mean = |error: &dyn Fn(&ModuleSample) -> Option<f64>| -> Option<f64> {
@@ -245,7 +251,7 @@ fn misses(info: &RunInfo, samples: &[&Sample]) -> Vec<Miss> {
             let off = mean(&|value| Some(value.achieved? - value.setpoint)).map_or(modelled, |seen| seen.min(modelled));
             let share_of_travel = off / travel;
             let miss = Miss { module: module.name.clone(), phase: phase.name.clone(), share_of_travel };
-            (travel > 0.0 && share_of_travel > MISS_SHARE).then_some(miss)
+            (share_of_travel > MISS_SHARE).then_some(miss)
         });
         missed.collect::<Vec<_>>()
     };
