@@ -308,7 +308,8 @@ class Actuator:
         """Exact derivatives of equilibria by one input, of the analytic model, by the implicit function theorem.
 
         With ``pressure_pa`` the pressure stays the same while the input changes. With a deformation that stays the same, and the
-        pressure follows: ``pressure_pa`` of the answer is its derivative.
+        pressure follows: ``pressure_pa`` of the answer is its derivative. By ``outer_radius_m`` the radius of a sheet whose ``radius_m`` is None
+        follows, too.
 
         Args:
             of: The input, such as ``"fiber.angle_rad"``; of a pair of windings ``"fiber[0].angle_rad"`` and ``"fiber[1].angle_rad"``.
@@ -334,11 +335,28 @@ class Actuator:
         if of not in _INPUTS:
             raise InvalidParameter("of", of, ", ".join(_INPUTS))
         order = Order(self._shape, {name: floats(name, value), **loads(external_force_n, external_torque_nm)})
-        try:
-            [status], _, numbers = self._built.sensitivity(_INPUTS[of], name, order[name], order.loads())
-        except _native.Refused as refused:
-            raise order.error(refused, of=of) from None
+
+        def by(one: str) -> tuple[Any, list[Floats]]:
+            try:
+                [status], _, numbers = self._built.sensitivity(_INPUTS[one], name, order[name], order.loads())
+            except _native.Refused as refused:
+                raise order.error(refused, of=one) from None
+            return status, list(numbers)
+
+        status, numbers = by(of)
+        for radius in self._radii_that_follow() if of == "outer_radius_m" else ():
+            numbers = [own + more for own, more in zip(numbers, by(radius)[1], strict=True)]
         return Sensitivity(order.back(status), *(order.back(column) for column in numbers))
+
+    def _radii_that_follow(self) -> list[str]:
+        """The winding radii that are those of the actuator's outside."""
+        if self.fiber is None:
+            return []
+        alone = isinstance(self.fiber, Fiber)
+        windings = [self.fiber] if isinstance(self.fiber, Fiber) else list(self.fiber)
+        names = ["fiber.radius_m"] if alone else [f"fiber[{index}].radius_m" for index in range(len(windings))]
+        pairs = zip(names, windings, strict=True)
+        return [name for name, fiber in pairs if fiber.radius_m is None and np.all(np.asarray(fiber.placement) == "sheet")]
 
     def winding_effect(
         self,
@@ -368,6 +386,9 @@ class Actuator:
         winding = self.fiber
         if not isinstance(winding, Fiber) or np.any(np.asarray(self.motion) != "bending"):
             raise ValueError("winding_effect is for bending actuators with a winding")
+
+        if np.any(np.asarray(pressure_pa) == 0.0):
+            raise InvalidParameter("pressure_pa", 0.0, "not 0: nothing bends there")
 
         def bend(error: float) -> Floats:
             turned = replace(winding, angle_rad=_turned(winding.angle_rad, error))

@@ -17,6 +17,9 @@ Codes: TypeAlias = npt.NDArray[np.int8]
 Ints: TypeAlias = npt.NDArray[np.int32]
 FloatLike: TypeAlias = npt.ArrayLike
 """A number, or an array of numbers."""
+SEED_MAX = 2**64 - 1
+"""Largest seed."""
+
 NameLike: TypeAlias = "str | list[str] | tuple[str, ...] | npt.NDArray[np.str_]"
 """A name, or an array of names."""
 

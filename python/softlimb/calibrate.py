@@ -45,7 +45,7 @@ def calibrate_pressure(
 
     Args:
         data: Columns ``module``, ``pressure_pa`` (gauge) and one or more of ``axial_stretch``, ``outer_radius_m``, ``bend_angle_rad``,
-            ``twist_rad``; optionally ``specimen``. Other units by the name of the column: ``pressure_kpa``, ``bend_angle_deg``.
+            ``twist_rad``, with NaN or ``None`` where nothing was measured; optionally ``specimen``. Other units by the name of the column: ``pressure_kpa``, ``bend_angle_deg``.
         scene: The scene file that describes the actuators.
         fit: Properties to find: ``"shear_modulus"``, ``"fiber_angle"``, ``"pressure_offset"`` ...
         per: One value for each ``"part"`` (material or winding), or for each ``"module"``.
@@ -104,4 +104,9 @@ def _write(file: Path, data: Measurements) -> None:
     with file.open("w", newline="", encoding="utf-8") as text:
         rows = csv.writer(text)
         rows.writerow(names)
-        rows.writerows(zip(*(column.tolist() for column in columns), strict=True))
+        rows.writerows(zip(*([_cell(value) for value in column.tolist()] for column in columns), strict=True))
+
+
+def _cell(value: Any) -> Any:
+    """A value as the table has it: what data frames hold where nothing was measured is an empty cell."""
+    return "" if isinstance(value, float) and np.isnan(value) else value

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softlimb import _native
-from softlimb.arrays import Floats, within
+from softlimb.arrays import SEED_MAX, Floats, within
 from softlimb.errors import InvalidParameter
 from softlimb.session import Pose, Session, posed
 
@@ -168,6 +168,7 @@ class Scene:
         within("payload_kg", payload_kg, 0, 100)
         within("spacers", spacers, 0, 50)
         within("samples", samples, 1, 100_000_000)
+        within("seed", seed, 0, SEED_MAX)
         within("cell_m", cell_m, 1e-3, 1.0)
         _one_of("pressures", pressures, ("actuators", "modules"))
         _one_of("points", points, ("faces", "even", "random"))
@@ -201,6 +202,7 @@ class Scene:
             RunError: The run did not begin, or did not end well.
             ValueError: A fault is not known.
         """
+        within("seed", seed, 0, SEED_MAX)
         folder = Path("out") / self.name if out is None else Path(out)
         native = None if plant is None else plant._native
         text, log, report = self._native.run(folder, seed, native, link_fault, list(faults))

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softlimb import _native
-from softlimb.arrays import FloatLike, Floats, floats
+from softlimb.arrays import SEED_MAX, FloatLike, Floats, floats, within
 from softlimb.errors import InvalidParameter
 
 if TYPE_CHECKING:
@@ -88,6 +88,7 @@ class Session:
         self.drives = tuple(name for name, _ in drives)
         self.quantities = tuple(quantity for _, quantity in drives)
         self.setpoint_range: npt.NDArray[np.float64] = np.array(scene.ranges())
+        within("seed", seed, 0, SEED_MAX)
         self._unlogged = tempfile.TemporaryDirectory(prefix="softlimb-") if out is None else None
         folder = Path(self._unlogged.name if self._unlogged is not None else os.fspath(out or "."))
         self._native = _native.Session(scene, folder, seed)

@@ -150,6 +150,8 @@ def test_effect_of_the_winding_is_that_of_the_batch():
     assert effect == pytest.approx([0.07363046, 0.02618564, 0.07363046], rel=1e-6)
     with pytest.raises(ValueError, match="bending actuators with a winding"):
         softlimb.Actuator(**wall).winding_effect(3e4)
+    with pytest.raises(softlimb.InvalidParameter, match="pressure_pa"):
+        softlimb.Actuator(**wall, fiber=helices).winding_effect([0.0, 3e4])
     steep = Fiber(angle_rad=np.radians(89.5), families=2, modulus_pa=3.61e8, thickness_m=0.178e-3)
     # 91.5 deg are -88.5 deg; winding_2deg of the batch again.
     assert softlimb.Actuator(**wall, fiber=steep).winding_effect(3e4) == pytest.approx(9.119529, rel=1e-6)

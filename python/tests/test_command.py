@@ -102,6 +102,16 @@ def test_modulus_is_found_from_bends(kind, tmp_path):
     assert "0.2453" in line
 
 
+def test_what_was_not_measured_is_nan():
+    tube = {"inner_radius_m": 10e-3, "outer_radius_m": 14e-3, "length_m": 0.24, "material": NeoHookean(shear_modulus_pa=0.245e6)}
+    pressures = np.linspace(5e3, 3e4, 8)
+    bends = Actuator(motion="bending", **tube).forward(pressures).bend_angle_rad
+    gaps = np.where(np.arange(8) % 2 == 0, bends, np.nan)
+    data = {"module": "finger", "pressure_pa": pressures, "bend_angle_rad": gaps}
+    [estimate] = softlimb.calibrate_pressure(data, SINGLE, fit=["shear_modulus"])["estimates"]
+    assert estimate["value"] == pytest.approx(0.245e6, rel=1e-6)
+
+
 def test_bad_rows_are_named():
     with pytest.raises(CommandError, match="bend_angle_rad"):
         softlimb.calibrate_pressure({"pressure_pa": [1e4], "bend_angle_rad": ["far"]}, SINGLE, fit=["shear_modulus"])

@@ -45,6 +45,16 @@ def test_derivatives_are_the_limits_of_differences(tube, motion, of, value):
     assert exact.pressure_pa.tolist() == [0.0, 0.0]
 
 
+@pytest.mark.parametrize("pair", [False, True])
+def test_winding_at_the_outside_follows_the_outer_radius(tube, pair):
+    made = [Fiber(angle_rad=angle, families=1 if pair else 2, **THREAD) for angle in (0.4, 1.2)]
+    fiber = tuple(made) if pair else made[0]
+    exact = tube(fiber=fiber).sensitivity("outer_radius_m", pressure_pa=1e4)
+    ahead, behind = (tube(fiber=fiber, outer_radius_m=8e-3 + step).forward(1e4) for step in (1e-8, -1e-8))
+    difference = (ahead.axial_stretch - behind.axial_stretch) / 2e-8
+    np.testing.assert_allclose(exact.axial_stretch, difference, rtol=1e-6)
+
+
 def test_pressure_follows_where_the_deformation_is_kept(tube):
     step, angle = 1e-7, np.radians([20.0, 60.0])
     exact = tube(motion="bending").sensitivity("inner_radius_m", bend_angle_rad=angle)

@@ -115,6 +115,8 @@ def test_target_out_of_reach_is_reported_at_its_line():
         (lambda scene: scene.workspace(samples=0), "samples"),
         (lambda scene: scene.workspace(cell_m=2.0), "cell_m"),
         (lambda scene: scene.workspace(points="some"), "points"),
+        (lambda scene: scene.run(seed=-1), "seed"),
+        (lambda scene: scene.session(seed=2**64), "seed"),
     ],
 )
 def test_bad_options_are_named(scene, call, field):

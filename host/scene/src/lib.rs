@@ -42,11 +42,11 @@ pub use data::{
 pub use elastomers::{CASTABLE_ELASTOMERS, CastableElastomer, TENSILE_TESTS, castable_elastomer};
 pub use error::{Diagnostic, Problems, SceneError, Unreadable};
 pub use quantity::{Quantity, quantity};
-pub use read::check_law;
+pub use read::{check_creep, check_law};
 pub use reference::{reference, study_reference};
 pub use source::{Located, SCENE_BYTES_MAX, Span};
 pub use study::{Experiment, Study, load_study};
-pub use writer::{Rebase, Redesign, RedesignedTarget, RewriteError, redesigned, redesigned_at, rewritten};
+pub use writer::{Rebase, Redesign, RedesignedTarget, RewriteError, recast, redesigned, redesigned_at, rewritten};
 
 use source::Source;
 

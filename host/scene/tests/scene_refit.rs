@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use fra_model::Material;
 use softlimb_scene as scene;
-use softlimb_scene::{RewriteError, Scene, WoundActuator, rewritten};
+use softlimb_scene::{RewriteError, Scene, WoundActuator, recast, rewritten};
 
 use crate::scene_support::with_sheets;
 
@@ -70,6 +70,24 @@ fn another_law_takes_the_place_of_the_one_before() {
         |text: &str| text.lines().filter_map(|line| Some(line.split_once('#')?.1.to_owned())).collect::<Vec<_>>();
     assert_eq!(comments(&written), comments(&SCENE));
     assert_eq!(written.lines().count(), SCENE.lines().count());
+}
+
+/// A tensile test knows nothing of the winding: the thread is worth what it is in the new wall.
+#[test]
+fn sheets_of_threads_follow_another_material() {
+    let text = include_str!("../../../scenes/pick-and-place-a.toml");
+    let scene = read(text);
+    let material = Material::NeoHookean { shear_modulus_pa: 0.2e6 };
+    let (written, log) = recast(&scene, &vec![material; scene.modules().len()]).unwrap();
+    assert_eq!(log.len(), 1, "{log:?}");
+    let by_hand = read(&with(text, "\"0.305 MPa\"", "\"0.2 MPa\""));
+    for ((new, by_hand), before) in read(&written).modules().iter().zip(by_hand.modules()).zip(scene.modules()) {
+        assert_eq!(new.wound_actuator(), by_hand.wound_actuator());
+        let sheet_pa = |(actuator, _): WoundActuator| actuator.fiber.map_or(0.0, |fiber| fiber.modulus_pa);
+        let [softer, stiffer] = [new, before].map(|module| sheet_pa(module.wound_actuator()));
+        // A bender's hoops are taken as inextensible.
+        assert!(softer < stiffer || stiffer == 0.0, "{softer} of {stiffer}");
+    }
 }
 
 #[test]

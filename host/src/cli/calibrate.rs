@@ -10,12 +10,13 @@ mod tension;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
+use fra_model::Material;
 use serde::Serialize;
 
 use super::shared::{above_zero, show, write};
 use super::{Failure, Outcome, warn};
 use softlimb_rig::calibrate::{Noise, Property, Settings};
-use softlimb_scene::{Quantity, RewriteError, Scene, rewritten};
+use softlimb_scene::{Quantity, RewriteError, Scene, WoundActuator, recast, rewritten};
 pub(super) use tension::coefficients;
 
 /// Remedy for values far from those of elastomers.
@@ -115,9 +116,26 @@ struct Fitted<T> {
     table: String,
     json: T,
     svg: String,
-    /// Scene and actuators to be written.
-    scene: Option<(Scene, Vec<softlimb_scene::WoundActuator>)>,
+    /// Scene and what is to be written into it.
+    scene: Option<(Scene, Wanted)>,
     warnings: Vec<String>,
+}
+
+/// What a fit changes in a scene.
+enum Wanted {
+    /// The actuators of all modules, with the sheets that the fit took.
+    Actuators(Vec<WoundActuator>),
+    /// The materials of all modules. The sheets of threads follow from them.
+    Materials(Vec<Material<f64>>),
+}
+
+impl Wanted {
+    fn written(&self, scene: &Scene) -> Result<(String, Vec<String>), RewriteError> {
+        match self {
+            Self::Actuators(wanted) => rewritten(scene, wanted),
+            Self::Materials(wanted) => recast(scene, wanted),
+        }
+    }
 }
 
 /// The result of `--json`.
@@ -132,7 +150,7 @@ struct Printed<'a, T> {
 impl<T: Serialize> Fitted<T> {
     fn finish(&self, fitting: &Fitting, files: &Files) -> Result<Outcome, Failure> {
         let written = match (&self.scene, &files.write) {
-            (Some((scene, wanted)), _) => Some(rewritten(scene, wanted).map_err(|error| not_written(&error))?),
+            (Some((scene, wanted)), _) => Some(wanted.written(scene).map_err(|error| not_written(&error))?),
             (None, Some(_)) => {
                 return Err(Failure::wrong_line("--write needs a scene, and a fit of properties that a scene has"));
             }

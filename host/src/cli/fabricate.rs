@@ -176,21 +176,26 @@ fn part_name(piece: &Piece, part: &str) -> String {
     format!("{}-{part}.stl", piece.name)
 }
 
+/// A length of the turns, mm; threads along the axis have none.
+fn turned(length_m: f64) -> String {
+    if length_m.is_finite() { format!("{:.3}", length_m * 1e3) } else { "-".to_owned() }
+}
+
 fn table(pieces: &[Piece]) -> String {
     let mut text =
         "module            make  angle deg  hands  starts  pitch mm    turns  turn to turn mm  thread m  elastomer g"
             .to_owned();
     for (piece, (_, winding)) in pieces.iter().flat_map(|piece| piece.windings().map(move |winding| (piece, winding))) {
         text += &format!(
-            "\n{:<16}  {:>4}  {:>9.3}  {:>5}  {:>6}  {:>8.3}  {:>7.2}  {:>15.3}  {:>8.2}  {:>11.2}",
+            "\n{:<16}  {:>4}  {:>9.3}  {:>5}  {:>6}  {:>8}  {:>7.2}  {:>15}  {:>8.2}  {:>11.2}",
             piece.name,
             piece.copies.len(),
             winding.angle_rad.to_degrees(),
             winding.hands.len(),
             winding.starts,
-            winding.lead_m() * 1e3,
+            turned(winding.lead_m()),
             winding.turns(),
-            winding.turn_spacing_m() * 1e3,
+            turned(winding.turn_spacing_m()),
             winding.all_threads_m(),
             1e3 * piece.density_kg_per_m3 * piece.elastomer_m3(),
         );

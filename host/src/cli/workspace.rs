@@ -59,6 +59,9 @@ pub(super) struct Workspace {
     json: bool,
 }
 
+/// Line of a workspace that its tips do not fill.
+pub(super) const NO_VOLUME: &str = "\nvolume  none: the tips lie on a curve or a surface\n";
+
 #[derive(Clone, Copy, ValueEnum)]
 enum Pressures {
     /// A pressure for each actuator of extending and expanding modules, one for each other module
@@ -165,9 +168,13 @@ fn csv<T: Copy + Into<f64>>(tips: &[[T; 3]]) -> String {
 /// Writing to a string cannot fail.
 fn table(title: &str, limb: &Limb, result: &WorkspaceResult<'_>) -> String {
     let mut text = String::new();
-    let each = if result.space.command() == Command::Actuators { "each actuator" } else { "each setpoint" };
+    let each = match result.space.command() {
+        Command::Actuators => "one for each actuator that extends or expands, and for each other module",
+        Command::Modules => "one for each setpoint",
+    };
     let axes = result.space.axes();
-    let _ = writeln!(text, "{}: {} pressures, {each} on its own; m", title, axes.len());
+    let (count, plural) = (axes.len(), if axes.len() == 1 { "" } else { "s" });
+    let _ = writeln!(text, "{title}: {count} pressure{plural}, {each}; m");
     let _ = writeln!(text, "\n{:10} {:>9} {:>9} {:>9}   corners alone miss", "", "least", "largest", "range");
     for (index, (name, [least, largest])) in NAMES.iter().zip(&result.extents.of).enumerate() {
         let range = result.extents.range_m(index);
@@ -176,14 +183,18 @@ fn table(title: &str, limb: &Limb, result: &WorkspaceResult<'_>) -> String {
         let _ = writeln!(text, "{name:10} {low:9.4} {high:9.4} {range:9.4}   {:.3} %", 100.0 * missed.max(0.0));
     }
     let [fine, coarse] = &result.grids;
-    let _ = writeln!(
-        text,
-        "\nvolume  {:.4} m3 in cubes of {:.0} mm; {:.4} m3 in cubes twice as wide; {:.4} m3 by a quarter of the samples",
-        fine.volume_m3(),
-        result.cell_m * 1e3,
-        coarse.volume_m3(),
-        result.thinned.volume_m3(),
-    );
+    if fine.is_solid() {
+        let _ = writeln!(
+            text,
+            "\nvolume  {:.4} m3 in cubes of {:.0} mm; {:.4} m3 in cubes twice as wide; {:.4} m3 by a quarter of the samples",
+            fine.volume_m3(),
+            result.cell_m * 1e3,
+            coarse.volume_m3(),
+            result.thinned.volume_m3(),
+        );
+    } else {
+        text += NO_VOLUME;
+    }
     let _ = writeln!(text, "\nlargest part of a range that samples miss, %");
     let _ = writeln!(text, "{:>10} {:>12} {:>16} {:>12}", "samples", "Monte Carlo", "low discrepancy", "with faces");
     for row in &result.rows {

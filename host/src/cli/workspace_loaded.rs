@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::workspace::NO_VOLUME;
 use crate::results::{LoadedWorkspaceResult, NAMES, unreached};
 
 /// Writing to a string cannot fail.
@@ -34,6 +35,9 @@ pub(super) fn table(result: &LoadedWorkspaceResult<'_>) -> String {
         let _ = write!(text, "; {part}");
     });
     let [fine, coarse] = &result.grids;
+    if !fine.is_solid() {
+        return text + NO_VOLUME;
+    }
     let _ = writeln!(
         text,
         "\nvolume  {:.3} m3 in cubes of {:.0} mm; {:.3} m3 in cubes twice as wide",

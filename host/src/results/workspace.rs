@@ -70,8 +70,8 @@ impl<'a> WorkspaceResult<'a> {
         Ok(Self {
             name: scene.name(),
             rows: workspace::convergence(&space, &extents, &counts, seed, threads),
-            grids: [cell_m, 2.0 * cell_m].map(|side| Grid::new(&tips_m, side)),
-            thinned: Grid::new(&tips_m[..count.div_ceil(4)], cell_m),
+            grids: [cell_m, 2.0 * cell_m].map(|side| Grid::new(&tips_m, side, space.axes().len())),
+            thinned: Grid::new(&tips_m[..count.div_ceil(4)], cell_m, space.axes().len()),
             limb,
             extents,
             space,

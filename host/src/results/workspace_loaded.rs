@@ -55,9 +55,9 @@ impl<'a> LoadedWorkspaceResult<'a> {
             ResultError::NoEquilibrium(format!("none of {count} poses is reached: {reasons}"))
         })?;
         let tips_m: Vec<[f64; 3]> = poses.iter().flatten().copied().collect();
-        let grids = [cell_m, 2.0 * cell_m].map(|side| Grid::new(&tips_m, side));
+        let grids = [cell_m, 2.0 * cell_m].map(|side| Grid::new(&tips_m, side, space.axes().len()));
         let free_m = workspace::sample_single(&space, points, FREE * count, seed, threads);
-        let free_grid = Grid::new(&free_m, cell_m);
+        let free_grid = Grid::new(&free_m, cell_m, space.axes().len());
         Ok(Self { scene, limb, payload_kg, free, extents, tally, grids, free_grid, cell_m, tips_m })
     }
 

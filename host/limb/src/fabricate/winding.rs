@@ -96,7 +96,7 @@ impl Winding {
             remarks: Vec::new(),
         };
         if let Some(starts) = starts {
-            winding.starts = starts;
+            winding.starts = winding.merged(parameters) * starts;
             if winding.is_hoop {
                 winding.find_worth(parameters, settings, pressure_max_pa);
                 // The scene takes the sheet from the thread.
@@ -228,9 +228,7 @@ impl Winding {
     fn wind_helix(&mut self, parameters: &ActuatorParameters<f64>, settings: &Settings) {
         let wall_m = parameters.outer_radius_m - parameters.inner_radius_m;
         let stiffness = parameters.fiber.map_or(0.0, |fiber| 4.0 * fiber.modulus_pa * fiber.thickness_m);
-        // Two families along the axis are one of twice the stiffness.
-        let merged = self.is_straight() && parameters.fiber.is_some_and(|fiber| fiber.families == Families::Two);
-        let stiffness = if merged { 2.0 * stiffness } else { stiffness };
+        let stiffness = f64::from(self.merged(parameters)) * stiffness;
         let wanted_m = settings.spacing_m.unwrap_or(if stiffness > 0.0 {
             settings.thread.stiffness_n / stiffness
         } else {
@@ -238,6 +236,12 @@ impl Winding {
         });
         self.starts = whole(TAU * self.radius_m * self.angle_rad.sin() / wanted_m);
         self.say_rounded(wanted_m, self.spacing_m(), "distance of the threads");
+    }
+
+    /// Families that one hand stands for: two along the axis are one of twice the threads.
+    fn merged(&self, parameters: &ActuatorParameters<f64>) -> u32 {
+        let both = self.is_straight() && parameters.fiber.is_some_and(|fiber| fiber.families == Families::Two);
+        if both { 2 } else { 1 }
     }
 
     fn say_rounded(&mut self, wanted_m: f64, found_m: f64, what: &str) {

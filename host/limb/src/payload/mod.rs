@@ -13,7 +13,7 @@ mod polar;
 mod program;
 
 pub use bundle::{Bundle, Hold, Mounted, PayloadError, Push, lever, rank};
-pub use capacity::{Active, Capacity, Linearised, LoadQuery, capacity};
+pub use capacity::{AFFINE, Active, Capacity, Linearised, LoadQuery, capacity};
 pub use carried::{CarriedLoad, CarryLimit, CarryLimits, PAYLOAD_MAX_KG, carried_load};
 pub use limb::{LimbCapacity, LoadCase, ModuleLoad, limb_capacity};
 pub use polar::{Polar, polar, polar_picture};

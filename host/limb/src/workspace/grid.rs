@@ -2,6 +2,11 @@
 
 use std::collections::{BTreeMap, HashSet};
 
+use nalgebra::{Matrix3, Vector3};
+
+/// Thickness of a cloud of tips over its length below which it is a plane: rounding in single precision is a hundredth of this.
+const FLAT: f64 = 1e-5;
+
 /// A cube's place in the grid.
 type Cube = [i32; 3];
 
@@ -10,13 +15,19 @@ type Cube = [i32; 3];
 pub struct Grid {
     side_m: f64,
     cubes: HashSet<Cube>,
+    is_solid: bool,
 }
 
 impl Grid {
-    /// The grid of cubes of a side, m, > 0, through the origin of the scene.
-    pub fn new<T: Copy + Into<f64>>(tips_m: &[[T; 3]], side_m: f64) -> Self {
+    /// The grid of cubes of a side, m, > 0, through the origin of the scene, with tips that a number of pressures moves.
+    pub fn new<T: Copy + Into<f64>>(tips_m: &[[T; 3]], side_m: f64, pressures: usize) -> Self {
         let cubes = tips_m.iter().map(|tip| tip.map(|x| (x.into() / side_m).floor() as i32)).collect();
-        Self { side_m, cubes }
+        Self { side_m, cubes, is_solid: pressures >= 3 && !is_flat(tips_m) }
+    }
+
+    /// Whether the tips fill a volume: fewer than three pressures move them on a curve or a surface, and bends in one plane stay in it.
+    pub fn is_solid(&self) -> bool {
+        self.is_solid
     }
 
     /// Number of cubes with a tip.
@@ -24,10 +35,10 @@ impl Grid {
         self.cubes.len()
     }
 
-    /// Their volume, m3. It grows with the number of samples and falls with the side: too small where a cube of the workspace has not been met
+    /// Their volume, m3; 0 where the tips fill none. It grows with the number of samples and falls with the side: too small where a cube of the workspace has not been met
     /// yet, too large by the cubes that its surface cuts.
     pub fn volume_m3(&self) -> f64 {
-        self.cubes.len() as f64 * self.side_m.powi(3)
+        if self.is_solid { self.cubes.len() as f64 * self.side_m.powi(3) } else { 0.0 }
     }
 
     /// Side of a cube, m.
@@ -48,4 +59,13 @@ impl Grid {
             .map(|(square, depth)| (square.map(|place| (f64::from(place) + 0.5) * self.side_m), depth))
             .collect()
     }
+}
+
+/// Whether points lie in a plane, or on a line.
+fn is_flat<T: Copy + Into<f64>>(points: &[[T; 3]]) -> bool {
+    let points = || points.iter().map(|point| Vector3::from(point.map(Into::into)));
+    let mean: Vector3<f64> = points().sum::<Vector3<f64>>() / points().count().max(1) as f64;
+    let spread: Matrix3<f64> = points().map(|point| (point - mean) * (point - mean).transpose()).sum();
+    let squares = spread.symmetric_eigenvalues();
+    squares.min() <= FLAT * FLAT * squares.max()
 }

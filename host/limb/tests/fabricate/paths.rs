@@ -3,7 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use softlimb_limb::fabricate::path::{Point, csv, points};
-use softlimb_limb::fabricate::{Hand, Piece};
+use softlimb_limb::fabricate::{Hand, Piece, Settings, plan};
+use softlimb_scene::parse;
 
 use crate::fabricate::common::{TUBE, Tube};
 
@@ -91,6 +92,18 @@ fn threads_along_the_axis_are_straight_lines() {
         assert_eq!(ends[0].place_m[..2], ends[1].place_m[..2]);
         assert_eq!([ends[0].place_m[2], ends[1].place_m[2]], [0.0, piece.parameters.length_m]);
     }
+}
+
+/// The model has a sheet for each family: along the axis both lie in one direction.
+#[test]
+fn two_families_of_threads_along_the_axis_are_twice_the_threads_of_one() {
+    let threads = |families: u8| {
+        let sheet = "modulus = \"300 MPa\"\nthickness = \"0.2 mm\"";
+        let text = Tube { motion: "expansion", angle_deg: 90.0, families, ..TUBE }.text();
+        let text = text.replace(sheet, "thread = { stiffness = \"772 N\", diameter = \"0.2 mm\", starts = 12 }");
+        plan(&parse(&text, "tube.toml").unwrap(), &Settings::default()).unwrap()[0].winding.threads()
+    };
+    assert_eq!([threads(1), threads(2)], [12, 24]);
 }
 
 #[test]

@@ -80,12 +80,12 @@ fn cubes_measure_a_ball() {
     };
     let exact = std::f64::consts::PI / 6.0;
     let points = lattice(0.005);
-    let volumes = [0.1, 0.05, 0.025].map(|side| Grid::new(&points, side).volume_m3() / exact - 1.0);
+    let volumes = [0.1, 0.05, 0.025].map(|side| Grid::new(&points, side, 3).volume_m3() / exact - 1.0);
     assert!(
         volumes.windows(2).all(|pair| pair[1] < 0.6 * pair[0]) && volumes[2] > 0.0 && volumes[2] < 0.12,
         "{volumes:?}"
     );
-    let disc: f64 = Grid::new(&points, 0.025).depths(1).len() as f64 * 0.025 * 0.025;
+    let disc: f64 = Grid::new(&points, 0.025, 3).depths(1).len() as f64 * 0.025 * 0.025;
     assert!((disc / (std::f64::consts::PI * 0.25) - 1.0).abs() < 0.1);
 }
 
@@ -93,7 +93,7 @@ fn cubes_measure_a_ball() {
 fn picture_shows_three_views_and_the_limb_at_its_extremes() {
     let (_, limb) = limb_of("weightless-a");
     let space = Workspace::new(&limb, Command::Actuators).expect("a workspace");
-    let grid = Grid::new(&sample(&space, Points::Faces, 2000, 1, 1), 0.05);
+    let grid = Grid::new(&sample(&space, Points::Faces, 2000, 1, 1), 0.05, space.axes().len());
     let rest: Vec<_> = limb.modules().iter().map(|module| module.curve.states()[0]).collect();
     let found = extents(&space).expect("extents");
     for reach in found.of.iter().flatten() {
@@ -110,7 +110,7 @@ fn picture_shows_three_views_and_the_limb_at_its_extremes() {
     );
     let views = ["arm: ", "from the side", "from the front", "from above"];
     assert!(views.iter().all(|view| svg.contains(view)) && !svg.contains("NaN"));
-    let wide = Grid::new(&sample(&space, Points::Faces, 4000, 1, 1), 0.05);
+    let wide = Grid::new(&sample(&space, Points::Faces, 4000, 1, 1), 0.05, space.axes().len());
     let over = picture("arm", (&grid, Some(&wide)), &limb.backbone(&rest), &[]);
     // One in each view and one in the key.
     let hatched = |text: &str| text.matches("faint hatched\"").count();
@@ -120,9 +120,23 @@ fn picture_shows_three_views_and_the_limb_at_its_extremes() {
 }
 
 #[test]
+fn tips_on_a_plane_or_a_surface_fill_no_volume() {
+    let lattice = |height: &dyn Fn(f64, f64) -> f64| {
+        let line = || (0..40).map(|i| 0.01 * f64::from(i));
+        line().flat_map(|x| line().map(move |y| [x, y, height(x, y)])).collect::<Vec<_>>()
+    };
+    // Of no axis, and in single precision as the samples are.
+    let tilted = lattice(&|x, y| 0.3 * x - 0.7 * y).into_iter().map(|tip| tip.map(|x| x as f32)).collect::<Vec<_>>();
+    assert_eq!(Grid::new(&tilted, 0.02, 3).volume_m3(), 0.0);
+    let dome = lattice(&|x, y| x * y);
+    assert_eq!(Grid::new(&dome, 0.02, 2).volume_m3(), 0.0);
+    assert!(Grid::new(&dome, 0.02, 3).volume_m3() > 0.0);
+}
+
+#[test]
 fn depths_count_the_cubes_behind_each_other() {
     let tips = [[0.5, 0.5, 0.5], [0.5, 1.5, 0.5], [0.5, 3.5, 0.5], [2.5, 0.5, 1.5], [0.6, 0.6, 0.6]];
-    let grid = Grid::new(&tips, 1.0);
+    let grid = Grid::new(&tips, 1.0, 3);
     assert_eq!(grid.depths(1), [([0.5, 0.5], 3), ([2.5, 1.5], 1)]);
     assert_eq!(grid.depths(2), [([0.5, 0.5], 1), ([0.5, 1.5], 1), ([0.5, 3.5], 1), ([2.5, 0.5], 1)]);
 }

@@ -11,6 +11,11 @@ use super::{CalibrationError, Settings};
 
 const NAMES: [&str; 3] = ["immediate", "creep_share", "creep_time_s"];
 
+/// Most points of which each is left out in turn, to find the one that is off.
+const FEW: usize = 50;
+/// Distance from what the others tell, in units of the accuracy, from which a point is off.
+const FAR_OFF: f64 = 10.0;
+
 /// A series of deformations after the pressure was raised at time 0 and held.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
@@ -36,6 +41,29 @@ pub struct CreepFit {
 /// # Errors
 /// [`CalibrationError`]; above all where the series is too short to tell how far the creep goes and how fast.
 pub fn fit_creep(step: &Step, settings: &Settings) -> Result<CreepFit, CalibrationError> {
+    fit_all(step, settings).map_err(|error| match error {
+        CalibrationError::NotIdentified { .. } if step.points.len() <= FEW => {
+            the_one_off(step, settings).unwrap_or(error)
+        }
+        _ => error,
+    })
+}
+
+/// The refusal of a point without which the others tell everything, and of which they are far off.
+fn the_one_off(step: &Step, settings: &Settings) -> Option<CalibrationError> {
+    let without = |point: usize| {
+        let mut others = step.clone();
+        let [time, seen] = others.points.remove(point);
+        let found = fit_all(&others, settings).ok()?;
+        let [a, share, tau] = &found.values[..] else { return None };
+        let model = step.rest + a.value * (1.0 + share.value * (1.0 - (-time / tau.value).exp()));
+        Some(((model - seen) / step.accuracy).abs()).filter(|off| *off > FAR_OFF).map(|off| (point, off))
+    };
+    let (point, off) = (0..step.points.len()).filter_map(without).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(CalibrationError::NotReproduced { names: NAMES.map(str::to_owned).to_vec(), off, point })
+}
+
+fn fit_all(step: &Step, settings: &Settings) -> Result<CreepFit, CalibrationError> {
     settings.check()?;
     let points = &step.points;
     enough(points.len(), NAMES.len(), settings.noise)?;
@@ -63,8 +91,14 @@ pub fn fit_creep(step: &Step, settings: &Settings) -> Result<CreepFit, Calibrati
     let immediate = if immediate.abs() > 0.1 * size.abs() { immediate } else { size };
     // In units of the whole deformation, of itself, and as the logarithm of the time.
     let start = DVector::from_vec(vec![immediate / size, 0.05, time.ln()]);
+    let shortest = ordered.iter().map(|point| point[0]).find(|time| *time > 0.0).unwrap_or(last[0]);
+    let [least, most] = [1e-3 * shortest, 1e3 * last[0]];
     let at = |place: &DVector<f64>| {
         let [a, share, time] = [place[0] * size, place[1], place[2].exp()];
+        // No point tells the creep of such a time from a step or a drift.
+        if !(least..=most).contains(&time) {
+            return Err(CalibrationError::NotSettled { steps: 0 });
+        }
         let mut local = Local { residuals: DVector::zeros(points.len()), jacobian: DMatrix::zeros(points.len(), 3) };
         for (row, point) in points.iter().enumerate() {
             let left = (-point[0] / time).exp();

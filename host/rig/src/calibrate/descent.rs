@@ -3,9 +3,11 @@
 //! The bounded solver of `softlimb-numerics` works on the normal equations, whose condition is the square of the Jacobian's. Unknowns that
 //! the data confuse need the whole condition, because the judgement of the estimate names them.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
 const STEPS: usize = 100;
+/// Iterations of a singular value decomposition: a few for each value are usual.
+const SVD_STEPS: usize = 10_000;
 const LEAST_DAMPING: f64 = 1e-14;
 const MOST_DAMPING: f64 = 1e12;
 
@@ -71,8 +73,12 @@ fn damped_step(local: &Local, damping: f64) -> DVector<f64> {
         system[(rows + index, index)] = damping.sqrt() * column.norm().max(1e-12 * longest);
     }
     let right = (-&local.residuals).resize_vertically(rows + columns, 0.0);
-    // Singular values and both sides of vectors are asked for, so that there is an answer.
-    system.svd(true, true).solve(&right, 0.0).unwrap_or_else(|_| DVector::zeros(columns))
+    svd(system).and_then(|svd| svd.solve(&right, 0.0).ok()).unwrap_or_else(|| DVector::zeros(columns))
+}
+
+/// Singular values and both sides of vectors; `None` where they do not settle, as with columns that differ by more than the range of a number.
+pub(super) fn svd(matrix: DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
+    SVD::try_new(matrix, true, true, 5.0 * f64::EPSILON, SVD_STEPS)
 }
 
 fn is_settled(place: &DVector<f64>, local: &Local) -> bool {

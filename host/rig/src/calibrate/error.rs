@@ -34,15 +34,17 @@ pub enum CalibrationError {
     },
     /// The model follows the data with no value of the unknowns.
     #[error(
-        "no value{} of {} reproduce{} these data: in the best fit a point is still {off:.1} times its accuracy off. Check the units and signs of the \
-         columns, and the sizes in the scene. More points help only if the measurements scatter as much",
-        plural(.names.len()), .names.join(" and "), if .names.len() == 1 { "s" } else { "" }
+        "no value{} of {} reproduce{} these data: in the best fit point {} is still {off:.1} times its accuracy off. Check it, the units and signs of \
+         the columns, and the sizes in the scene. More points help only if the measurements scatter as much",
+        plural(.names.len()), .names.join(" and "), if .names.len() == 1 { "s" } else { "" }, .point + 1
     )]
     NotReproduced {
         /// The unknowns.
         names: Vec<String>,
         /// Largest residual of the best fit, in units of the accuracy.
         off: f64,
+        /// The point that it is of, in the order in which they were given.
+        point: usize,
     },
     /// The measured deformations go the other way than those of the model.
     #[error(

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::descent::svd;
 use super::{CalibrationError, Property, Settings};
 use softlimb_numerics::statistics::student_quantile;
 
@@ -91,6 +92,8 @@ pub(super) struct Judgement {
     pub(super) half_widths: Vec<f64>,
     /// Half widths of the intervals of the fitted values, one a point, in units of the stated accuracy.
     pub(super) curve: Vec<f64>,
+    /// Share of each point in its own fitted value, 0 to 1: its leverage.
+    pub(super) leverage: Vec<f64>,
     /// Root mean square of the residuals in units of the stated accuracy, with the degrees of freedom in the mean.
     pub(super) scatter: f64,
     pub(super) freedom: usize,
@@ -102,7 +105,7 @@ pub(super) struct Judgement {
 /// Judges an answer. `jacobian` is that of the residuals in units of the stated accuracy by the unknowns in units of their tolerance.
 ///
 /// # Errors
-/// [`CalibrationError::TooFewPoints`] and [`CalibrationError::NotIdentified`].
+/// [`CalibrationError::TooFewPoints`], [`CalibrationError::NotReproduced`] and [`CalibrationError::NotIdentified`].
 pub(super) fn judge(
     columns: &[Column],
     residuals: &DVector<f64>,
@@ -116,8 +119,9 @@ pub(super) fn judge(
     let freedom = points - unknowns;
     let scatter = if freedom == 0 { 0.0 } else { (residuals.norm_squared() / freedom as f64).sqrt() };
     let condition = condition(jacobian);
-    let svd = jacobian.clone().svd(true, true);
-    let (Some(shares), Some(directions), singular) = (svd.u, svd.v_t, svd.singular_values) else {
+    let Some((shares, directions, singular)) =
+        svd(jacobian.clone()).and_then(|svd| Some((svd.u?, svd.v_t?, svd.singular_values)))
+    else {
         return Err(CalibrationError::NotSettled { steps: 0 });
     };
     let least = singular.imin();
@@ -127,9 +131,17 @@ pub(super) fn judge(
         Noise::AsStated => (student_quantile(confidence, usize::MAX), 1.0),
     };
     // Data that happen to agree better than their accuracy are not more accurate for that.
-    let worst = (0..unknowns).map(|k| factor * spread.max(1.0) * variance(k).sqrt()).fold(0.0, f64::max);
-    let told = worst <= 1.0 && condition <= MOST_CONDITION;
-    if !told {
+    let widest = (0..unknowns).map(|k| factor * variance(k).sqrt()).fold(0.0, f64::max);
+    let told = |spread: f64| spread.max(1.0) * widest <= 1.0 && condition <= MOST_CONDITION;
+    if !told(spread) {
+        // The points would tell the unknowns, if they lay on the model.
+        if told(1.0) {
+            return Err(CalibrationError::NotReproduced {
+                names: columns.iter().map(|column| column.name.clone()).collect(),
+                off: residuals.amax(),
+                point: residuals.iamax(),
+            });
+        }
         return Err(confused(columns, jacobian, directions.row(least).transpose(), advise));
     }
     let deviations: Vec<f64> =
@@ -140,8 +152,9 @@ pub(super) fn judge(
     let correlation =
         DMatrix::from_fn(unknowns, unknowns, |a, b| covariance(a, b) / (variance(a) * variance(b)).sqrt());
     let half_widths = deviations.iter().map(|deviation| factor * deviation).collect();
-    let curve = shares.row_iter().map(|row| factor * spread * row.norm()).collect();
-    Ok(Judgement { deviations, half_widths, curve, scatter, freedom, correlation, condition })
+    let leverage: Vec<f64> = shares.row_iter().map(|row| row.norm_squared()).collect();
+    let curve = leverage.iter().map(|share| factor * spread * share.sqrt()).collect();
+    Ok(Judgement { deviations, half_widths, curve, leverage, scatter, freedom, correlation, condition })
 }
 
 /// Refuses fewer points than it takes.
@@ -160,8 +173,7 @@ fn condition(jacobian: &DMatrix<f64>) -> f64 {
     if equal.iter().any(|value| !value.is_finite()) {
         return f64::INFINITY;
     }
-    let singular = equal.singular_values();
-    singular.max() / singular.min()
+    svd(equal).map_or(f64::INFINITY, |svd| svd.singular_values.max() / svd.singular_values.min())
 }
 
 /// The unknowns that are confused along a direction.

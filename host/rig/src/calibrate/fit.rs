@@ -1,7 +1,7 @@
 //! Parameters of actuators from pressure and deformation.
 
 use fra_model::StateQuantity;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::descent::descend;
 use super::error::advice;
@@ -119,6 +119,8 @@ pub struct Fit {
     pub after: Vec<f64>,
     /// Half width of the confidence interval of that.
     pub half_widths: Vec<f64>,
+    /// Share of each observation in its own fitted value, 0 to 1.
+    pub leverage: Vec<f64>,
     /// Root mean square of the residuals in units of the stated accuracies; 1 where these are right.
     pub scatter: f64,
     /// Observations less unknowns.
@@ -248,8 +250,7 @@ pub(super) fn fit_model(
     let advise = |named: &[usize]| advice(&named.iter().map(|k| unknowns[*k].property).collect::<Vec<_>>());
     let residuals = &end.local.residuals;
     let judged = judge(&columns, residuals, &jacobian, settings, advise);
-    let judged =
-        judged.map_err(|error| not_reproduced(&columns, &starts, (residuals, &jacobian), settings).unwrap_or(error))?;
+    let judged = judged.map_err(|error| run_away(&columns, &starts, residuals).unwrap_or(error))?;
     if !end.settled {
         return Err(CalibrationError::NotSettled { steps: end.steps });
     }
@@ -275,6 +276,7 @@ pub(super) fn fit_model(
         bodies: fitted,
         after,
         half_widths,
+        leverage: judged.leverage,
         scatter: judged.scatter,
         freedom: judged.freedom,
         correlation: judged.correlation.row_iter().map(|row| row.iter().copied().collect()).collect(),
@@ -284,31 +286,15 @@ pub(super) fn fit_model(
     })
 }
 
-/// The refusal of data that no values reproduce: the unknowns run away, or only the residuals keep the data from telling them.
-/// `None` where the data themselves tell too little.
-fn not_reproduced(
-    columns: &[Column],
-    starts: &[f64],
-    (residuals, jacobian): (&DVector<f64>, &DMatrix<f64>),
-    settings: &Settings,
-) -> Option<CalibrationError> {
-    let has_run_away = |(column, start): &(&Column, &f64)| {
+/// The refusal of data with which unknowns run away; `None` where none does.
+fn run_away(columns: &[Column], starts: &[f64], residuals: &DVector<f64>) -> Option<CalibrationError> {
+    let is_away = |(column, start): &(&Column, &f64)| {
         let ratio = column.value / **start;
         ratio.is_finite() && !(1.0 / RUN_AWAY..=RUN_AWAY).contains(&ratio.abs())
     };
-    let run_away: Vec<&Column> = columns.iter().zip(starts).filter(has_run_away).map(|(column, _)| column).collect();
-    let exact = DVector::zeros(residuals.len());
-    let told = || judge(columns, &exact, jacobian, settings, |_| String::new()).is_ok();
-    let named = match run_away.is_empty() {
-        true if told() => columns.iter().collect(),
-        true => return None,
-        false => run_away,
-    };
-    let off = residuals.amax();
-    (off > 1.0).then(|| CalibrationError::NotReproduced {
-        names: named.into_iter().map(|column| column.name.clone()).collect(),
-        off,
-    })
+    let names: Vec<_> = columns.iter().zip(starts).filter(is_away).map(|(column, _)| column.name.clone()).collect();
+    let (off, point) = (residuals.amax(), residuals.iamax());
+    (!names.is_empty() && off > 1.0).then_some(CalibrationError::NotReproduced { names, off, point })
 }
 
 /// Name of an unknown in tables.

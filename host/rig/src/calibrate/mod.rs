@@ -38,6 +38,7 @@ pub use picture::{picture, range_picture, tension_picture};
 pub use points::{Point, Points};
 pub use property::Property;
 pub use range::{RangeFit, fit_range};
+pub use runs::Outlier;
 pub use softlimb_files::table::TableError;
 pub use specimens::{RandomEffects, SPECIMENS_MIN, random_effects};
 pub use tension::{Law, Tension, TensionFit, fit_tension};

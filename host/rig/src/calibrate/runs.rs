@@ -13,6 +13,17 @@ const FALSE_ALARM: f64 = 0.01;
 /// Fewer points less unknowns do not show the scatter of the others.
 const FREEDOM_LEAST: usize = 3;
 
+/// An observation that does not fit the others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outlier {
+    /// Its index.
+    pub index: usize,
+    /// Its distance from the model that the others tell, in its SI unit.
+    pub off: f64,
+    /// Its residual over what the scatter of the others makes likely: Student's statistic.
+    pub ratio: f64,
+}
+
 impl Fit {
     /// The bodies whose residuals of some quantity, in the order of the pressures, change their sign too seldom for noise (the runs test of Wald and
     /// Wolfowitz): the model does not follow these data, and intervals are narrower than they should be.
@@ -36,9 +47,9 @@ impl Fit {
         found
     }
 
-    /// The observations that do not fit: farther from the model than their accuracy, and than Student's distribution allows beside the scatter
-    /// of the others. Each with its residual over that scatter.
-    pub fn outliers(&self, observations: &[Observation]) -> Vec<(usize, f64)> {
+    /// The observations that do not fit: farther from the model that the others tell than their accuracy, and than Student's distribution allows
+    /// beside the scatter of the others.
+    pub fn outliers(&self, observations: &[Observation]) -> Vec<Outlier> {
         let count = observations.len() as f64;
         if self.freedom < FREEDOM_LEAST {
             return Vec::new();
@@ -47,9 +58,13 @@ impl Fit {
         let all = self.freedom as f64 * self.scatter.powi(2);
         let ratio = |(k, seen): (usize, &Observation)| {
             let residual = ((self.after[k] - seen.value) / seen.accuracy).abs();
+            // An observation pulls the model towards itself by its leverage: without it the model is as much farther off.
+            let left = (1.0 - self.leverage[k]).max(f64::EPSILON);
+            let off = residual / left;
             // The scatter of all would hide one that is far off: of few points it is never beyond four times of that.
-            let others = ((all - residual * residual).max(0.0) / (self.freedom - 1) as f64).sqrt();
-            (residual > 1.0 && residual > most * others).then(|| (k, residual / others))
+            let others = ((all - residual * off).max(0.0) / (self.freedom - 1) as f64).sqrt();
+            let ratio = residual / left.sqrt() / others;
+            (off > 1.0 && ratio > most).then_some(Outlier { index: k, off: off * seen.accuracy, ratio })
         };
         observations.iter().enumerate().filter_map(ratio).collect()
     }

@@ -38,6 +38,17 @@ fn intervals_of_creep_hold_the_truth_about_as_often_as_they_say() {
     assert!(counts.iter().all(|count| is_binomial(*count, 400, 0.95)), "{counts:?}");
 }
 
+/// Readings with a digit wrong make a descent towards times of no creep at all.
+#[test]
+fn reading_far_off_is_named() {
+    for share in [-0.5, 0.1, 0.2, 0.5, 0.7, 1.5, 10.0] {
+        let mut wrong = step(20.0, 8, || 0.0, 3e-4);
+        wrong.points[4][1] = 1.0 + share * (wrong.points[4][1] - 1.0);
+        let refused = fit_creep(&wrong, &Settings::default()).unwrap_err();
+        assert!(matches!(refused, CalibrationError::NotReproduced { point: 4, .. }), "{share}: {refused}");
+    }
+}
+
 #[test]
 fn a_step_too_short_for_its_creep_is_refused() {
     let mut noise = Noise::seeded(7);

@@ -25,7 +25,7 @@ use super::reader::{Log, Reader};
 use super::schema;
 use super::source::{Source, Span};
 
-pub use parts::check_law;
+pub use parts::{check_creep, check_law};
 
 /// Reads all of a scene, then gives it or everything that is wrong with it.
 pub(super) fn scene(source: Source) -> Result<Scene, SceneError> {

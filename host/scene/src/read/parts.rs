@@ -142,22 +142,32 @@ fn yeoh_coefficients(reader: &Reader<'_>, name: &str) -> Option<[f64; 3]> {
 pub fn check_law(law: &Material<f64>) -> Result<(), String> {
     match law {
         Material::NeoHookean { shear_modulus_pa } => {
-            let schema::Quantity { name, min, max, .. } = schema::material::SHEAR_MODULUS;
-            check_modulus(name, *shear_modulus_pa, [min, max])
+            let schema::Quantity { name, unit, min, max, .. } = schema::material::SHEAR_MODULUS;
+            check_value((name, unit), *shear_modulus_pa, [min, max])
         }
-        Material::Yeoh { c_pa } => {
-            YEOH_MPA.iter().zip(c_pa).try_for_each(|((name, range), c_pa)| check_modulus(name, *c_pa, *range))
-        }
+        Material::Yeoh { c_pa } => YEOH_MPA
+            .iter()
+            .zip(c_pa)
+            .try_for_each(|((name, range), c_pa)| check_value((name, Unit::MPA), *c_pa, *range)),
     }
 }
 
-/// Refuses a modulus, Pa, out of a range, MPa.
-fn check_modulus(name: &str, pa: f64, [min, max]: [f64; 2]) -> Result<(), String> {
-    let unit = &Unit::MPA;
-    if (unit.scale.to_si(min)..=unit.scale.to_si(max)).contains(&pa) {
+/// Refuses creep of a chamber that a scene does not take: its share of the volume's change, and its time constant, s.
+///
+/// # Errors
+/// The key, the value and the accepted range.
+pub fn check_creep(share: f64, time_s: f64) -> Result<(), String> {
+    use schema::chamber::{CREEP_SHARE, CREEP_TIME};
+    let check = |schema::Quantity { name, unit, min, max, .. }, value| check_value((name, unit), value, [min, max]);
+    check(CREEP_SHARE, share).and_then(|()| check(CREEP_TIME, time_s))
+}
+
+/// Refuses a value in the SI unit out of a range in the other.
+fn check_value((name, unit): (&str, Unit), si: f64, [min, max]: [f64; 2]) -> Result<(), String> {
+    if (unit.scale.to_si(min)..=unit.scale.to_si(max)).contains(&si) {
         return Ok(());
     }
-    let (value, min, max) = (unit.show_si(pa), unit.show(min), unit.show(max));
+    let (value, min, max) = (unit.show_si(si), unit.show(min), unit.show(max));
     Err(format!("{name} = {value} is not allowed in a scene: {min} to {max}"))
 }
 

@@ -9,7 +9,7 @@ mod sheets;
 
 pub use rebase::{Rebase, redesigned_at};
 pub use redesign::{Redesign, RedesignedTarget, redesigned};
-pub use refit::rewritten;
+pub use refit::{recast, rewritten};
 pub(crate) use setting::set;
 
 use super::data::Module;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use fra_model::{Fiber, Material};
+use fra_model::{ActuatorParameters, Fiber, Material};
 use toml_edit::{Array, TableLike, Value};
 
 use super::draft::{Draft, Part, put, rename};
@@ -51,6 +51,33 @@ pub fn rewritten(scene: &Scene, wanted: &[WoundActuator]) -> Result<(String, Vec
     for (module, new) in read.modules().iter().zip(wanted) {
         if !same_actuator(&module.wound_actuator(), new) {
             return Err(not_written(module, "parameters"));
+        }
+    }
+    Ok((text, pen.log))
+}
+
+/// The scene's text with other materials, one for each module, as [`rewritten`] but that the sheets of threads follow.
+///
+/// # Errors
+/// [`RewriteError`].
+pub fn recast(scene: &Scene, wanted: &[Material<f64>]) -> Result<(String, Vec<String>), RewriteError> {
+    scene.require_no_segments("a rewritten scene").map_err(RewriteError::Segments)?;
+    let modules = scene.modules();
+    if wanted.len() != modules.len() {
+        return Err(RewriteError::Modules { found: wanted.len(), modules: modules.len() });
+    }
+    let draft = Draft::new(scene).ok_or_else(|| not_written(&modules[0], "text"))?;
+    let of_module = |(module, material): (&Module, &Material<f64>)| {
+        let (actuator, second) = module.wound_actuator();
+        (ActuatorParameters { material: *material, ..actuator }, second)
+    };
+    let actuators: Vec<WoundActuator> = modules.iter().zip(wanted).map(of_module).collect();
+    let mut pen = Pen { modules, wanted: &actuators, draft, log: Vec::new() };
+    pen.parts(Part::Material)?;
+    let (text, read) = pen.draft.read(scene.source_name())?;
+    for (module, new) in read.modules().iter().zip(wanted) {
+        if !same_material(&module.actuator().material, new) {
+            return Err(not_written(module, "material"));
         }
     }
     Ok((text, pen.log))

@@ -7,10 +7,11 @@ use clap::Args;
 use serde::Serialize;
 
 use super::super::shared::{about, read, show};
-use super::super::{Failure, Outcome};
-use super::Fitting;
-use softlimb_rig::calibrate::{Body, Point, Points, Step, Value, fit_creep};
+use super::super::{Failure, Outcome, warn};
+use super::{CHECK_UNITS, Fitting};
+use softlimb_rig::calibrate::{Body, CalibrationError, Point, Points, Step, Value, fit_creep};
 use softlimb_scene as scene;
+use softlimb_scene::check_creep;
 
 /// Largest change of the pressure within a step, as a share of its largest value.
 const STEADY: f64 = 0.02;
@@ -32,10 +33,10 @@ pub(super) struct Creep {
 
 /// The result of `--json`.
 #[derive(Serialize)]
-struct Printed {
+struct Printed<'a> {
     creep: Vec<Answer>,
     scene_changes: &'static [String],
-    warnings: &'static [String],
+    warnings: &'a [String],
 }
 
 #[derive(Serialize)]
@@ -66,7 +67,7 @@ impl Creep {
         if !points.timed {
             return Err(about(&"creep needs a column time_s: the time since the pressure was raised"));
         }
-        let (mut table, mut answers) = (String::new(), Vec::new());
+        let (mut table, mut answers, mut warnings) = (String::new(), Vec::new(), Vec::new());
         for module in scene.modules() {
             let of: Vec<&Point> = points.points.iter().filter(|point| point.name == *module.name).collect();
             let Some(first) = of.first() else { continue };
@@ -85,9 +86,16 @@ impl Creep {
                 points: of.iter().map(|point| [point.time_s.unwrap_or(0.0), point.value]).collect(),
                 accuracy: (self.fitting.accuracy.si() * largest).max(f64::MIN_POSITIVE),
             };
-            let fit = fit_creep(&step, &self.fitting.settings())
-                .map_err(|error| about(&format!("{}: {error}", *module.name)))?;
+            let fit = fit_creep(&step, &self.fitting.settings()).map_err(|error| {
+                let from = match error {
+                    CalibrationError::NotReproduced { point, .. } => format!(". That point is line {}", of[point].line),
+                    _ => String::new(),
+                };
+                about(&format!("{}: {error}{from}", *module.name))
+            })?;
             let [_, share, time] = &fit.values[..] else { continue };
+            let refused = check_creep(share.value, time.value).err();
+            warnings.extend(refused.map(|error| format!("{}: {error}: {CHECK_UNITS}", *module.name)));
             let _ = writeln!(
                 table,
                 "{}: creep_share = \"{:.3} %\" ({:.3} to {:.3}), creep_time = \"{:.4} s\" ({:.4} to {:.4})",
@@ -108,7 +116,7 @@ impl Creep {
                 modelled: fit.modelled,
             });
         }
-        show(self.fitting.json, &Printed { creep: answers, scene_changes: &[], warnings: &[] }, || table)?;
-        Ok(Outcome::Done)
+        show(self.fitting.json, &Printed { creep: answers, scene_changes: &[], warnings: &warnings }, || table)?;
+        Ok(warn(&warnings))
     }
 }

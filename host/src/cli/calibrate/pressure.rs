@@ -10,9 +10,10 @@ use super::super::shared::{about, read};
 use super::super::{Failure, Outcome};
 use super::print::{printed, printed_models, shown, table};
 use super::specimens::{self, Specimen};
-use super::{CHECK_UNITS, Files, Fitted, Fitting, Per, Unknowns};
+use super::{CHECK_UNITS, Files, Fitted, Fitting, Per, Unknowns, Wanted};
 use softlimb_rig::calibrate::{
-    Body, Branch, Estimate, Fit, Loaded, Observation, Points, Property, Unknown, fit, fit_loaded, picture,
+    Body, Branch, CalibrationError, Estimate, Fit, Loaded, Observation, Outlier, Points, Property, Unknown, fit,
+    fit_loaded, picture,
 };
 use softlimb_scene as scene;
 use softlimb_scene::{Scene, WoundActuator};
@@ -208,15 +209,24 @@ impl Unknowns {
             Some(loaded) => fit_loaded(loaded, bodies, &observations, &unknowns, &fitting.settings()),
             None => fit(bodies, &observations, &unknowns, &fitting.settings()),
         };
-        let fit = fit.map_err(|error| about(&error))?;
+        let fit = fit.map_err(|error| match &error {
+            CalibrationError::NotReproduced { point, .. } => {
+                about(&format!("{error}. That point is {}", seen[*point].from))
+            }
+            _ => about(&error),
+        })?;
         let mut warnings = source.warnings.clone();
         warnings.extend(fit.systematic(&observations).into_iter().map(|body| {
                 let name = &bodies[body].name;
                 format!("the residuals of {name} are not random: the model does not follow these data, and the intervals are too narrow")
             }));
-        warnings.extend(fit.outliers(&observations).into_iter().map(|(k, ratio)| {
-            let (from, value) = (&seen[k].from, observations[k].value);
-            format!("{from} does not fit: {value} is {ratio:.1} times the scatter of the others off the model")
+        warnings.extend(fit.outliers(&observations).into_iter().map(|Outlier { index, off, ratio }| {
+            let (from, Observation { quantity, value, .. }) = (&seen[index].from, observations[index]);
+            let shown = |value: f64| format!("{:.4} {}", value * quantity.display_scale(), quantity.display_unit());
+            let [value, off] = [value, off].map(|value| shown(value).trim_end().to_owned());
+            format!(
+                "{from} does not fit: {value} is {off} off the model that the others tell, {ratio:.1} times what their scatter allows for"
+            )
         }));
         warnings.extend(fit.estimates.iter().filter_map(far_from_start));
         let measured = source.modules.iter().zip(&fit.models);
@@ -242,7 +252,7 @@ impl Unknowns {
             table: table(&fit, &observations, (source, &models), fitting.confidence.si()),
             json: printed(&fit, &observations, source, models),
             svg: picture(&fit, &observations),
-            scene: self.written().then(|| (source.scene.clone(), source.means(&fit, &self.fit))),
+            scene: self.written().then(|| (source.scene.clone(), Wanted::Actuators(source.means(&fit, &self.fit)))),
             warnings,
         };
         let outcome = fitted.finish(fitting, files)?;

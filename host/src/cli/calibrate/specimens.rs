@@ -11,7 +11,7 @@ use super::super::shared::about;
 use super::super::{Failure, Outcome};
 use super::pressure::{Seen, Source};
 use super::print::{PrintedModel, printed_models, shown};
-use super::{Files, Fitted, Fitting, Unknowns};
+use super::{Files, Fitted, Fitting, Unknowns, Wanted};
 
 /// Measurements of one specimen.
 pub(super) struct Specimen {
@@ -70,7 +70,7 @@ pub(super) fn fit(
         table: table(&fits, &effects, confidence),
         json: printed(&fits, &effects),
         svg: String::new(),
-        scene: unknowns.written().then(|| (scene.clone(), means(scene, first, &effects))),
+        scene: unknowns.written().then(|| (scene.clone(), Wanted::Actuators(means(scene, first, &effects)))),
         warnings,
     };
     fitted.finish(fitting, files)

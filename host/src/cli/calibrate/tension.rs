@@ -9,11 +9,11 @@ use serde::Serialize;
 
 use super::super::shared::{about, above_zero, read};
 use super::super::{Failure, Outcome};
-use super::{CHECK_UNITS, Files, Fitted, Fitting};
+use super::{CHECK_UNITS, Files, Fitted, Fitting, Wanted};
 use softlimb_limb::{Limb, largest_stretch};
 use softlimb_rig::calibrate::{Law, Tension, TensionFit, fit_tension, tension_picture};
 use softlimb_scene as scene;
-use softlimb_scene::{Quantity, Scene, WoundActuator, check_law};
+use softlimb_scene::{Quantity, Scene, check_law};
 
 /// Fit the law of a material to a tensile test
 #[derive(Args)]
@@ -110,13 +110,8 @@ impl TensionMode {
         ))
     }
 
-    /// The scene's actuators with the fitted material, and a warning where the limb stretches it further than the test did.
-    fn with_material(
-        &self,
-        scene: &Scene,
-        fit: &TensionFit,
-        warnings: &mut Vec<String>,
-    ) -> Result<Vec<WoundActuator>, Failure> {
+    /// The scene's materials with the fitted one, and a warning where the limb stretches it further than the test did.
+    fn with_material(&self, scene: &Scene, fit: &TensionFit, warnings: &mut Vec<String>) -> Result<Wanted, Failure> {
         let names: Vec<_> = (0..scene.modules().len()).filter_map(|k| scene.part_name(k, "material")).collect();
         let name = match (&self.material, &names[..]) {
             (Some(name), _) => name.clone(),
@@ -148,9 +143,9 @@ impl TensionMode {
                     ));
                 }
             }
-            wanted.push((actuator, module.second_fiber.map(|fiber| *fiber)));
+            wanted.push(actuator.material);
         }
-        Ok(wanted)
+        Ok(Wanted::Materials(wanted))
     }
 }
 

@@ -11,7 +11,7 @@ use crate::cli::{Failure, Outcome, note};
 use softlimb_design::blocked::{blocked_designs, picture};
 use softlimb_limb::Limb;
 use softlimb_limb::payload::{
-    CarriedLoad, CarryLimit, CarryLimits, LoadCase, capacity, carried_load, limb_capacity, polar, polar_picture,
+    AFFINE, CarriedLoad, CarryLimit, CarryLimits, LoadCase, capacity, carried_load, limb_capacity, polar, polar_picture,
 };
 use softlimb_motion as motion;
 use softlimb_scene::{Quantity, Scene};
@@ -89,6 +89,15 @@ impl CapacityMode {
             let found = drawn.iter().map(of).collect::<Result<Vec<_>, _>>().map_err(Failure::new)?;
             write(file, &polar_picture(scene.name(), &found))?;
         }
+        let mut outcome = Outcome::Done;
+        for pose in report.poses.iter().filter(|pose| pose.off() > AFFINE) {
+            note(&format!(
+                "warning: `held` has no equilibrium of {}: the forces there are {:.0} % off those that its load is for",
+                pose.name,
+                100.0 * pose.off()
+            ));
+            outcome = Outcome::DoneWithWarnings;
+        }
         // Where the plan has weight, the statics decide.
         let short: Vec<&str> =
             report.poses.iter().filter(|pose| pose.falls_short()).map(|pose| pose.name.as_str()).collect();
@@ -104,7 +113,7 @@ impl CapacityMode {
             ));
             return Ok(Outcome::DoneWithWarnings);
         }
-        Ok(Outcome::Done)
+        Ok(outcome)
     }
 
     fn case(&self) -> Result<LoadCase, Failure> {

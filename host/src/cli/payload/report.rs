@@ -180,8 +180,9 @@ impl Pose {
         shares.fold(0.0, f64::max)
     }
 
-    fn remainder(&self) -> f64 {
-        if self.found.largest_n > 0.0 { self.found.remainder_n / self.found.largest_n } else { 0.0 }
+    /// Error of the linearized wrench at the answer, over the largest component.
+    pub(super) fn off(&self) -> f64 {
+        self.found.remainder()
     }
 
     fn printed(&self, limb: &Limb) -> PrintedPose<'_> {
@@ -212,7 +213,7 @@ impl Pose {
             unbalanced_modules: &self.unbalanced,
             push_to_critical: self.buckling(),
             limits: self.limits(),
-            remainder: self.remainder(),
+            remainder: self.off(),
             modules: modules.collect(),
         }
     }
@@ -227,7 +228,7 @@ impl Pose {
             // Rounding below zero is nothing.
             Ended::Solved => format!("{:.2}", if self.own.load_n.abs() < 5e-3 { 0.0 } else { self.own.load_n }),
             Ended::Infeasible => "none".into(),
-            Ended::Unbounded => "any".into(),
+            Ended::Unbounded => "-".into(),
         };
         let begin = |load: &str, ratio: &str| format!("{:<12} {load:>8} {ratio:>8} {free:>12} {own:>8}", self.name);
         match self.found.outcome {
@@ -238,7 +239,7 @@ impl Pose {
                     begin(&format!("{load:.2}"), &format!("{:.2}", load / self.holding.weight_n)),
                     self.buckling(),
                     self.found.bound_n - load,
-                    self.remainder() * 100.0,
+                    self.off() * 100.0,
                     self.limits().join(", ")
                 )
             }
@@ -252,7 +253,9 @@ impl Pose {
                     self.unbalanced.join(", ")
                 )
             }
-            Ended::Unbounded => format!("{}  the walls alone carry it", begin("any", "-")),
+            Ended::Unbounded => {
+                format!("{}  no pressure acts on this load: the walls carry it, unjudged", begin("-", "-"))
+            }
         }
     }
 }
