@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[error("cannot {doing} {}: {}", path.display(), explained(doing, source))]
 pub struct FileError {
-    /// `read`, `write`, `create`.
+    /// `read`, `write`, `create the folder`.
     pub doing: &'static str,
     /// The file.
     pub path: PathBuf,
@@ -28,7 +28,7 @@ impl FileError {
 /// # Errors
 /// [`FileError`].
 pub fn make_folder(folder: &Path) -> Result<(), FileError> {
-    fs::create_dir_all(folder).map_err(FileError::at("create", folder))
+    fs::create_dir_all(folder).map_err(FileError::at("create the folder", folder))
 }
 
 /// Writes a file under a temporary name beside its place, and moves it there when all of it is on the disk. A link stays a link: the

@@ -34,8 +34,8 @@ pub enum CalibrationError {
     },
     /// The model follows the data with no value of the unknowns.
     #[error(
-        "no value{} of {} reproduce{} these data: in the best fit point {} is still {off:.1} times its accuracy off. Check it, the units and signs of \
-         the columns, and the sizes in the scene. More points help only if the measurements scatter as much",
+        "no value{} of {} reproduce{} these data: in the best fit point {} is still {off:.1} times its accuracy off. Check the units and signs of the \
+         columns, the sizes in the scene, and that point. More points help only if the measurements scatter as much",
         plural(.names.len()), .names.join(" and "), if .names.len() == 1 { "s" } else { "" }, .point + 1
     )]
     NotReproduced {

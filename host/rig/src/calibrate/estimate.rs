@@ -8,6 +8,8 @@ use softlimb_numerics::statistics::student_quantile;
 
 /// Columns of the Jacobian whose condition exceeds this are the same column, whatever the accuracy of the data.
 const MOST_CONDITION: f64 = 1e8;
+/// A point with less than this left of its own value has told it alone.
+pub(super) const ALONE: f64 = 1e-6;
 /// A confused direction has these shares of its largest component.
 const NAMED: f64 = 0.1;
 
@@ -124,6 +126,7 @@ pub(super) fn judge(
     else {
         return Err(CalibrationError::NotSettled { steps: 0 });
     };
+    let leverage: Vec<f64> = shares.row_iter().map(|row| row.norm_squared()).collect();
     let least = singular.imin();
     let variance = |k: usize| (0..unknowns).map(|i| (directions[(i, k)] / singular[i]).powi(2)).sum::<f64>();
     let (factor, spread) = match noise {
@@ -136,11 +139,11 @@ pub(super) fn judge(
     if !told(spread) {
         // The points would tell the unknowns, if they lay on the model.
         if told(1.0) {
-            return Err(CalibrationError::NotReproduced {
-                names: columns.iter().map(|column| column.name.clone()).collect(),
-                off: residuals.amax(),
-                point: residuals.iamax(),
-            });
+            let names = columns.iter().map(|column| column.name.clone()).collect();
+            // What the others tell of a point: it pulls the fit towards itself.
+            let off = |k: usize| (residuals[k] / (1.0 - leverage[k]).max(ALONE)).abs();
+            let point = (0..points).max_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(0);
+            return Err(CalibrationError::NotReproduced { names, off: residuals[point].abs(), point });
         }
         return Err(confused(columns, jacobian, directions.row(least).transpose(), advise));
     }
@@ -152,7 +155,6 @@ pub(super) fn judge(
     let correlation =
         DMatrix::from_fn(unknowns, unknowns, |a, b| covariance(a, b) / (variance(a) * variance(b)).sqrt());
     let half_widths = deviations.iter().map(|deviation| factor * deviation).collect();
-    let leverage: Vec<f64> = shares.row_iter().map(|row| row.norm_squared()).collect();
     let curve = leverage.iter().map(|share| factor * spread * share.sqrt()).collect();
     Ok(Judgement { deviations, half_widths, curve, leverage, scatter, freedom, correlation, condition })
 }

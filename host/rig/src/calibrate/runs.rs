@@ -2,6 +2,7 @@
 
 use softlimb_numerics::statistics::student_quantile;
 
+use super::estimate::ALONE;
 use super::{Fit, Observation};
 
 /// Fewer points than this have no order that could be judged.
@@ -59,7 +60,7 @@ impl Fit {
         let ratio = |(k, seen): (usize, &Observation)| {
             let residual = ((self.after[k] - seen.value) / seen.accuracy).abs();
             // An observation pulls the model towards itself by its leverage: without it the model is as much farther off.
-            let left = (1.0 - self.leverage[k]).max(f64::EPSILON);
+            let left = Some(1.0 - self.leverage[k]).filter(|left| *left > ALONE)?;
             let off = residual / left;
             // The scatter of all would hide one that is far off: of few points it is never beyond four times of that.
             let others = ((all - residual * off).max(0.0) / (self.freedom - 1) as f64).sqrt();

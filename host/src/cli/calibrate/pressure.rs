@@ -210,9 +210,7 @@ impl Unknowns {
             None => fit(bodies, &observations, &unknowns, &fitting.settings()),
         };
         let fit = fit.map_err(|error| match &error {
-            CalibrationError::NotReproduced { point, .. } => {
-                about(&format!("{error}. That point is {}", seen[*point].from))
-            }
+            CalibrationError::NotReproduced { point, .. } => about(&format!("{error}. It is {}", seen[*point].from)),
             _ => about(&error),
         })?;
         let mut warnings = source.warnings.clone();
