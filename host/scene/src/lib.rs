@@ -34,7 +34,7 @@ use std::path::Path;
 
 pub use data::{
     Aim, Ambient, BendingModel, BodyEffects, Bounds, Camera, Chamber, Choice, Controller, CorrectionRow, Corrections,
-    Design, EndEffector, Excess, Goal, Gripper, InverseChoice, Limb, Limits, Line, LinkLoss, MarginLimits, Marker,
+    Design, EndEffector, Excess, Goal, Gripper, Imu, InverseChoice, Limb, Limits, Line, LinkLoss, MarginLimits, Marker,
     Module, ModuleBounds, ModuleSegment, Object, Obstacle, Phase, PhaseCorrections, PhaseTimes, Plant, PressureLoop,
     Region, Scene, Sensor, Shaping, Spread, Supply, Swing, Target, Thread, TrueLimb, Valve, Weight, WoundActuator,
     WoundWall,

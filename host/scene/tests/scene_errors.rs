@@ -28,7 +28,7 @@ fn unknown_key() {
 3 | color = "red"
   | ^^^^^ unknown key
   |
-  = help: known keys: format, name, description, seed, materials, windings, limb, module, phase, markers, corrections, obstacle, region, object, design, limits, controller, weight, swing, camera, plant"#
+  = help: known keys: format, name, description, seed, materials, windings, limb, module, phase, markers, corrections, obstacle, region, object, design, limits, controller, weight, swing, camera, imu, plant"#
     );
 }
 
@@ -519,4 +519,37 @@ fn payload_that_changes_in_closed_jaws() {
     let held = |second: &str| parse(&gripping("payload = 1", second, "gripper = \"open\"\npayload = 1"), "arm.toml");
     assert!(held("payload = 1").is_ok());
     assert!(held("").unwrap_err().render(false).contains("0 kg here, 1 kg in `reach`"));
+}
+
+#[test]
+fn feedback_has_one_observer() {
+    let both = "[camera]\nfeedback = true\n\n[imu]\nfeedback = true\n\n[limits]";
+    assert_eq!(
+        picture("[limits]", both),
+        r#"error: feedback has one observer, the camera or the IMUs
+  --> arm.toml:52:12
+   |
+49 | feedback = true
+   |            ---- the camera corrects them, too
+...
+52 | feedback = true
+   |            ^^^^ the IMUs correct the setpoints
+   |
+   = help: set one of them to `false`"#
+    );
+    for one in [both.replacen("true", "false", 1), both.replace("[imu]\nfeedback = true", "[imu]")] {
+        parse(&changed("[limits]", &one), "arm.toml").unwrap();
+    }
+}
+
+#[test]
+fn imus_have_the_errors_of_a_data_sheet() {
+    assert_eq!(parse(SCENE, "arm.toml").unwrap().imu(), None);
+    let imu = *parse(&changed("[limits]", "[imu]\n[limits]"), "arm.toml").unwrap().imu().unwrap();
+    let degrees = [imu.tilt_error_rad, imu.heading_error_rad, imu.noise_rad, imu.rate_noise_rad_per_s];
+    for (found, stated) in degrees.map(f64::to_degrees).into_iter().zip([1.5, 3.0, 0.1, 0.05]) {
+        assert!((found - stated).abs() < 1e-12, "{found} {stated}");
+    }
+    assert!(!imu.feedback);
+    assert_eq!([imu.period_s, imu.latency_s, imu.drop_outs], [0.01, 0.01, 0.0]);
 }

@@ -13,8 +13,8 @@ pub use corrections::{CorrectionRow, Corrections, PhaseCorrections, PhaseTimes};
 pub use design::{Bounds, Choice, Design, ModuleBounds};
 pub use limb::{EndEffector, Limb, Module, ModuleSegment, WoundActuator};
 pub use motion::{
-    BendingModel, Camera, Controller, Excess, Goal, InverseChoice, Limits, LinkLoss, MarginLimits, Phase, PressureLoop,
-    Shaping, Swing, Target, Weight,
+    BendingModel, Camera, Controller, Excess, Goal, Imu, InverseChoice, Limits, LinkLoss, MarginLimits, Phase,
+    PressureLoop, Shaping, Swing, Target, Weight,
 };
 pub use plant::{Ambient, BodyEffects, Chamber, Line, Plant, Sensor, Spread, Supply, TrueLimb, Valve};
 pub use task::{Aim, Gripper, Marker, Object, Obstacle, Region};
@@ -47,6 +47,7 @@ pub struct Scene {
     pub(super) weight: Weight,
     pub(super) swing: Swing,
     pub(super) camera: Option<Camera>,
+    pub(super) imu: Option<Imu>,
     pub(super) plant: Plant,
 }
 
@@ -139,6 +140,11 @@ impl Scene {
     /// The camera that observes the tip; `None` where the scene states none.
     pub fn camera(&self) -> Option<&Camera> {
         self.camera.as_ref()
+    }
+
+    /// The IMUs on the end plates of the modules; `None` where the scene states none.
+    pub fn imu(&self) -> Option<&Imu> {
+        self.imu.as_ref()
     }
 
     /// The pneumatics.

@@ -158,6 +158,27 @@ pub struct Camera {
     pub drop_outs: f64,
 }
 
+/// An inertial measurement unit on the end plate of each module of the simulated limb.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Imu {
+    /// Whether runs correct their setpoints by the orientations.
+    pub feedback: bool,
+    /// Least time between two readings, s; > 0.
+    pub period_s: f64,
+    /// Time from a reading to its arrival, s; >= 0.
+    pub latency_s: f64,
+    /// Standard deviation of the constant error of an orientation about a horizontal axis, rad; >= 0.
+    pub tilt_error_rad: f64,
+    /// The same about the vertical, rad; >= 0.
+    pub heading_error_rad: f64,
+    /// Standard deviation of an orientation about each axis in one reading, rad; >= 0.
+    pub noise_rad: f64,
+    /// Standard deviation of an angular rate about each axis in one reading, rad/s; >= 0.
+    pub rate_noise_rad_per_s: f64,
+    /// Share of the readings that are lost; 0 to 0.95.
+    pub drop_outs: f64,
+}
+
 /// Reaction of the controller to a silent host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LinkLoss {

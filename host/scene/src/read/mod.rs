@@ -112,6 +112,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
     let weight = settings::weight(&root);
     let swing = settings::swing(&root, weight.as_ref());
     let camera = settings::camera(&root);
+    let imu = settings::imu(&root, camera.as_ref().and_then(Option::as_ref));
     let plant = plant::plant(&root);
     let mut drafts = module::modules(&root, &materials, &windings, limits.as_ref());
     let obstacles = task::obstacles(&root);
@@ -148,6 +149,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
         weight: weight?,
         swing: swing?,
         camera: camera?,
+        imu: imu?,
         plant: plant?,
     })
 }

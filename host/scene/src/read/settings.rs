@@ -1,13 +1,13 @@
 //! Limits and settings of the controller.
 
 use crate::data::{
-    BendingModel, Camera, Controller, Excess, InverseChoice, Limits, LinkLoss, MarginLimits, PressureLoop, Shaping,
-    Swing, Weight,
+    BendingModel, Camera, Controller, Excess, Imu, InverseChoice, Limits, LinkLoss, MarginLimits, PressureLoop,
+    Shaping, Swing, Weight,
 };
 use crate::error::{Problem, quoted};
 use crate::reader::Reader;
 use crate::schema;
-use crate::schema::{Nested, Quantity, Section, controller as keys};
+use crate::schema::{Flag, Nested, Quantity, Section, controller as keys};
 use crate::source::Span;
 
 /// A number of seconds within the bounds of the schema, in whole microseconds.
@@ -160,6 +160,36 @@ pub(super) fn camera(root: &Reader<'_>) -> Option<Option<Camera>> {
             latency_s: *latency?,
             noise_m: *noise?,
             offset_m: *offset?,
+            drop_outs: *drop_outs?,
+        }))
+    })
+}
+
+/// The inner `None` without the table.
+pub(super) fn imu(root: &Reader<'_>, camera: Option<&Camera>) -> Option<Option<Imu>> {
+    if root.value(schema::scene::IMU.name).is_none() {
+        return Some(None);
+    }
+    optional_table(root, &schema::scene::IMU, &schema::imu::SECTION, |reader| {
+        use schema::imu::*;
+        let feedback = reader.flag(&FEEDBACK);
+        let [period, latency, tilt, heading, noise, rate_noise, drop_outs] =
+            [PERIOD, LATENCY, TILT_ERROR, HEADING_ERROR, NOISE, RATE_NOISE, DROP_OUTS].map(|key| reader.quantity(&key));
+        if feedback == Some(true) && camera.is_some_and(|camera| camera.feedback) {
+            let place = |table: &Nested, key: &Flag| root.place_of(table.name, &[key.name]);
+            let title = "feedback has one observer, the camera or the IMUs";
+            let problem = Problem::at(place(&schema::scene::IMU, &FEEDBACK), title, "the IMUs correct the setpoints")
+                .label(place(&schema::scene::CAMERA, &schema::camera::FEEDBACK), "the camera corrects them, too");
+            return reader.log().note(problem.help("set one of them to `false`"));
+        }
+        Some(Some(Imu {
+            feedback: feedback?,
+            period_s: *period?,
+            latency_s: *latency?,
+            tilt_error_rad: *tilt?,
+            heading_error_rad: *heading?,
+            noise_rad: *noise?,
+            rate_noise_rad_per_s: *rate_noise?,
             drop_outs: *drop_outs?,
         }))
     })

@@ -9,7 +9,7 @@ mod task;
 mod units;
 
 pub(super) use choice::{bounds, design, segment_bounds};
-pub(super) use motion::{camera, controller, limits, phase, swing, target, weight};
+pub(super) use motion::{camera, controller, imu, limits, phase, swing, target, weight};
 pub(super) use parts::{
     DENSITY_KG_PER_M3, connector, end_effector, limb, material, module, scene, segment, thread, winding,
 };
@@ -165,7 +165,7 @@ macro_rules! section {
 use section;
 
 /// All sections in the order of the reference page.
-pub(super) const SECTIONS: [Section; 33] = [
+pub(super) const SECTIONS: [Section; 34] = [
     scene::SECTION,
     material::SECTION,
     winding::SECTION,
@@ -190,6 +190,7 @@ pub(super) const SECTIONS: [Section; 33] = [
     weight::SECTION,
     swing::SECTION,
     camera::SECTION,
+    imu::SECTION,
     plant::SECTION,
     ambient::SECTION,
     supply::SECTION,

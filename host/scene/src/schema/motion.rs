@@ -79,6 +79,20 @@ section! {
 }
 
 section! {
+    /// An inertial measurement unit (IMU) on the end plate of each module of the simulated limb, in `run`. All take readings together, when the
+    /// device reports, at intervals of at least 95 % of `period`. A reading has an orientation and an angular rate; accelerations are not simulated.
+    imu, "[imu]";
+    FEEDBACK: Flag { name: "feedback", presence: Default(false) } = "Whether a run corrects its setpoints by the orientations while it goes on. Not with `feedback = true` in `[camera]`. Runs of `learn` are not corrected in this way. A device behind a port has no IMUs: such a run is refused.";
+    PERIOD: Quantity { name: "period", unit: Unit::MS, min: 1.0, max: 1000.0, presence: Default(10.0) } = "Interval of the readings.";
+    LATENCY: Quantity { name: "latency", unit: Unit::MS, min: 0.0, max: 1000.0, presence: Default(10.0) } = "Delay from a reading to its arrival, with the first report of the device after that delay.";
+    TILT_ERROR: Quantity { name: "tilt_error", unit: Unit::DEG, min: 0.0, max: 45.0, presence: Default(1.5) } = "Standard deviation of the constant error of an orientation about each of two horizontal axes: drawn once for each IMU, by the seed of the limb.";
+    HEADING_ERROR: Quantity { name: "heading_error", unit: Unit::DEG, min: 0.0, max: 180.0, presence: Default(3.0) } = "Standard deviation of the constant error of an orientation about the vertical.";
+    NOISE: Quantity { name: "noise", unit: Unit::DEG, min: 0.0, max: 45.0, presence: Default(0.1) } = "Standard deviation of an orientation about each axis in one reading.";
+    RATE_NOISE: Quantity { name: "rate_noise", unit: Unit::DEG_PER_S, min: 0.0, max: 100.0, presence: Default(0.05) } = "Standard deviation of the angular rate about each axis in one reading.";
+    DROP_OUTS: Quantity { name: "drop_outs", unit: Unit::PERCENT, min: 0.0, max: 95.0, presence: Default(0.0) } = "Share of the readings of each IMU that are lost.";
+}
+
+section! {
     /// Settings of the pressure controller. Times are rounded to whole microseconds.
     controller, "[controller]";
     KNOT_PERIOD: Quantity { name: "knot_period", unit: Unit::MS, min: 10.0, max: 1000.0, presence: Default(20.0) } = "Time between two streamed setpoints; the controller interpolates linearly.";

@@ -28,6 +28,7 @@ section! {
     WEIGHT: Nested { name: "weight", shape: "table `[weight]`", presence: Optional("the defaults below") } = "Effect of the limb's weight and its payloads on a run.";
     SWING: Nested { name: "swing", shape: "table `[swing]`", presence: Optional("the defaults below") } = "Swing of the limb after a move.";
     CAMERA: Nested { name: "camera", shape: "table `[camera]`", presence: Optional("no camera in a run, and one without calibration error in `learn`") } = "A camera that observes the tip.";
+    IMU: Nested { name: "imu", shape: "table `[imu]`", presence: Optional("no IMUs") } = "IMUs on the end plates of the modules.";
     PLANT: Nested { name: "plant", shape: "table `[plant]`", presence: Optional("the defaults below") } = "Nominal pneumatics, which the controller gets, and the deviation of the simulated truth from them.";
 }
 
