@@ -7,11 +7,11 @@ use softlimb_scene::Scene;
 
 /// Streams of the images' noise, of the calibration's error and of the images without a tip. The plant draws its limb from streams below 2^34.
 const NOISE: u64 = 1;
-const OFFSET: u64 = 1 << 34;
+pub(crate) const OFFSET: u64 = 1 << 34;
 const DROP_OUTS: u64 = OFFSET + 1;
 
-/// Largest part of a period by which an image may come early: reports of a device are not exactly periodic.
-const EARLY: f64 = 0.05;
+/// Largest part of a period by which an observation may come early: reports of a device are not exactly periodic.
+pub(crate) const EARLY: f64 = 0.05;
 
 /// A camera with normal noise in each coordinate and a constant error.
 pub(crate) struct Camera {

@@ -11,6 +11,7 @@ mod camera;
 mod configuration;
 mod correction;
 pub mod export;
+mod imu;
 pub mod learning;
 pub mod link;
 pub mod payload_estimation;

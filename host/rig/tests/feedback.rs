@@ -1,4 +1,4 @@
-//! Feedback of a camera's images within a run.
+//! Feedback of a camera's images or of IMUs' orientations within a run.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -10,7 +10,7 @@ use softlimb_rig::link::port::PortAddress;
 use softlimb_rig::record;
 use softlimb_rig::record::RunLog;
 use softlimb_rig::report;
-use softlimb_rig::run::{Mcu, RunError, RunOptions, run, run_behind, summaries};
+use softlimb_rig::run::{Mcu, RunError, RunFiles, RunOptions, run, run_behind, summaries};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
@@ -114,16 +114,58 @@ fn feedback_does_not_shake_a_limb_that_swings() {
     assert!(squares.sqrt() < 0.7e-3 && max < 1.15e-3, "{} m, at most {max} m", squares.sqrt());
 }
 
+/// Constant errors of orientations move the tip, by another distance in each limb.
+#[test]
+fn imus_bring_a_limb_that_differs_from_its_model_nearer_to_its_goals() {
+    let folder = tempfile::tempdir().unwrap();
+    let blind = report::summary(&ran(&hanging(""), folder.path())).tip.at_holds_m.unwrap();
+    let exact = "[imu]\nfeedback = true\ntilt_error = 0\nheading_error = 0\nnoise = 0\n";
+    let log = ran(&hanging(exact), folder.path());
+    let summary = report::summary(&log);
+    let seeing = summary.tip.at_holds_m.unwrap();
+    let errors = errors_m(&log);
+    println!("at the ends of holds, mm: {:.2} of {:.2}; {errors:.4?}", 1e3 * seeing.rmse, 1e3 * blind.rmse);
+    assert!(blind.rmse > 20e-3, "{blind:?}");
+    // The limb hangs: errors of extension are vertical, and no orientation shows them.
+    assert!(errors.iter().all(|error| error.xy().norm() < 1.5e-3), "{errors:?}");
+    assert!(seeing.rmse < 3e-3 && seeing.max < 4.5e-3, "{seeing:?}");
+    assert!(summary.table().contains("assembly, feedback by IMUs"), "{}", summary.table());
+    // All readings are in the log: one of each module a report.
+    let bytes = std::fs::read(folder.path().join("run.mcap")).unwrap();
+    let messages = mcap::MessageStream::new(&bytes).unwrap().map(Result::unwrap);
+    let readings = messages.filter(|message| message.channel.topic == "/softlimb/imu").count();
+    assert_eq!(readings, 3 * log.samples.len());
+    let mut squares = 0.0;
+    summaries(&hanging("[imu]\nfeedback = true\n"), 1..=5, |seed, found| {
+        let found = found.unwrap().tip.at_holds_m.unwrap();
+        println!("limb {seed}, errors of the data sheet, mm: {:.2}, at most {:.2}", 1e3 * found.rmse, 1e3 * found.max);
+        squares += found.rmse.powi(2) / 5.0;
+        true
+    })
+    .unwrap();
+    assert!(squares.sqrt() < 13e-3, "{}", squares.sqrt());
+}
+
+#[test]
+fn device_behind_a_port_has_no_imus() {
+    let refused = refused(&holding("single-bending", "[imu]\nfeedback = true\n"));
+    assert!(matches!(refused, Err(RunError::NoImus)), "{refused:?}");
+}
+
 #[test]
 fn device_behind_a_port_has_no_camera() {
-    let scene = holding("single-bending", "[camera]\nfeedback = true\n");
-    let limb = Limb::new(&scene).unwrap();
-    let plan = motion::plan(&scene, &limb).unwrap();
+    let refused = refused(&holding("single-bending", "[camera]\nfeedback = true\n"));
+    assert!(matches!(refused, Err(RunError::NoCamera)), "{refused:?}");
+}
+
+/// A run of a scene behind a port that is not there.
+fn refused(scene: &Scene) -> Result<RunFiles, RunError> {
+    let limb = Limb::new(scene).unwrap();
+    let plan = motion::plan(scene, &limb).unwrap();
     let address = PortAddress::Serial { path: "/dev/absent".to_owned(), baud: 115_200 };
     let folder = tempfile::tempdir().unwrap();
     let cancel = AtomicBool::new(false);
-    let refused = run_behind(&scene, (limb, plan), (&address, None), None, folder.path(), &cancel, |_| ());
-    assert!(matches!(refused, Err(RunError::NoCamera)), "{refused:?}");
+    run_behind(scene, (limb, plan), (&address, None), None, folder.path(), &cancel, |_| ())
 }
 
 /// A plain run bridges such a stall by setpoints that were sent before; with feedback they do not exist yet.

@@ -37,7 +37,7 @@ fn log(folder: &Path, name: &str, text: &str) -> PathBuf {
     run(&scene, &options, &AtomicBool::new(false), |_| ()).unwrap().log
 }
 
-/// A scene whose base is beside the origin and leans with a ball, a leaning and a hanging capsule.
+/// A scene whose base is beside the origin and leans, with a ball, a leaning and a hanging capsule, and IMUs without errors.
 fn leaning() -> String {
     let text = scene("weightless-b");
     let base = "base_position = [\"0 m\", \"0 m\", \"1.1 m\"]   # at the wearer's waist
@@ -67,6 +67,12 @@ shape = "capsule"
 from = [3, 2, 2]
 to = [3, 2, 1]
 radius = "1 cm"
+
+[imu]
+tilt_error = 0
+heading_error = 0
+noise = 0
+rate_noise = 0
 "#;
     text.replace(base, leaning) + solids
 }

@@ -55,7 +55,7 @@ fn run_reads_back_exactly() {
     run.shapes[1].achieved = None;
     run.bodies[1].nearest = None;
     run.bodies[2].tip_unloaded_m = None;
-    (run.info.feedback, run.info.corrections) = (true, true);
+    (run.info.feedback, run.info.corrections) = (Some(record::Observer::Imus), true);
     run.contacts = vec![record::ContactRecord {
         obstacle: "rim".into(),
         force_n: 0.1 + 0.2,
@@ -240,6 +240,28 @@ fn recovery_leaves_a_damaged_chunk_out_and_keeps_those_behind_it() {
     // Shapes and solids number their own messages: those of the whole chunks stay.
     for (found, all) in [(log.shapes.len(), run.shapes.len()), (log.bodies.len(), run.bodies.len())] {
         assert!(found < all && all - found <= 7, "{found} of {all}");
+    }
+}
+
+#[test]
+fn recovery_keeps_images_and_readings() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, out) = (folder.path().join("run.mcap"), folder.path().join("recovered.mcap"));
+    let mut run = crate::synthetic_run::run();
+    let base = record::Pose { position_m: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0] };
+    run.info.limb = Some(record::DrawnLimb { base, links: Vec::new(), modules: vec!["elbow".into()] });
+    let mut recorder = Recorder::create(&path, &run.info).unwrap();
+    for sample in &run.samples[..200] {
+        recorder.sample(sample).unwrap();
+        recorder.image(sample.time_s, [1.0; 3]).unwrap();
+        recorder.imu(sample.time_s, 0, base.rotation, [0.0; 3]).unwrap();
+    }
+    drop(recorder);
+    record::recover(folder.path().join("run.mcap.partial"), &out).unwrap();
+    let bytes = std::fs::read(out).unwrap();
+    for topic in ["/softlimb/telemetry", "/softlimb/camera", "/softlimb/imu"] {
+        let messages = mcap::MessageStream::new(&bytes).unwrap().map(Result::unwrap);
+        assert_eq!(messages.filter(|message| message.channel.topic == topic).count(), 200, "{topic}");
     }
 }
 

@@ -6,7 +6,7 @@ use flate2::read::GzDecoder;
 use serde_json::Value;
 use softlimb_numerics::Random;
 use softlimb_rig::record::{
-    Body, CarriedInfo, ModuleInfo, NearestInfo, RunLog, Sample, SolidInfo, SolidShape, SwingInfo,
+    Body, CarriedInfo, ModuleInfo, NearestInfo, Observer, RunLog, Sample, SolidInfo, SolidShape, SwingInfo,
 };
 use softlimb_rig::report::html;
 
@@ -161,7 +161,7 @@ fn columns_of_phases_without_content_are_left_out() {
     for heading in ["tip error, mm", "by pressure, mm", "by model, mm"] {
         assert!(headings.contains(&heading), "{heading} of {headings:?}");
     }
-    for (feedback, corrections) in [(true, false), (false, true)] {
+    for (feedback, corrections) in [(Some(Observer::Camera), false), (None, true)] {
         (run.info.feedback, run.info.corrections) = (feedback, corrections);
         let page = html(&run);
         let headings = phase_headings(&page);
@@ -172,7 +172,7 @@ fn columns_of_phases_without_content_are_left_out() {
         assert!(!page.contains("The causes add as vectors") && page.contains("not split into causes"));
     }
     // Nobody saw the limb.
-    (run.info.feedback, run.info.corrections) = (false, false);
+    (run.info.feedback, run.info.corrections) = (None, false);
     run.samples.iter_mut().for_each(|sample| sample.tip_achieved_m = None);
     run.bodies.iter_mut().for_each(|body| body.tip_unloaded_m = None);
     let page = html(&run);

@@ -93,6 +93,26 @@ pub struct InjectedFault {
     pub channel: Option<usize>,
 }
 
+/// Sensors whose measurements correct the setpoints within a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Observer {
+    /// A camera that observes the tip.
+    Camera,
+    /// IMUs on the end plates of the modules.
+    Imus,
+}
+
+impl Observer {
+    /// Word in log and JSON.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Camera => "camera",
+            Self::Imus => "imus",
+        }
+    }
+}
+
 /// Everything about a run that is known before it starts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunInfo {
@@ -136,9 +156,9 @@ pub struct RunInfo {
     /// The simulated limb in words; `None` where it is the planner's with perturbed parameters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<String>,
-    /// Whether a camera's images corrected the setpoints.
-    #[serde(default)]
-    pub feedback: bool,
+    /// Sensors whose measurements corrected the setpoints; `None` without feedback.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub feedback: Option<Observer>,
     /// Whether the setpoints had the corrections of the scene.
     #[serde(default)]
     pub corrections: bool,
@@ -150,7 +170,7 @@ pub struct RunInfo {
 impl RunInfo {
     /// Whether the setpoints were corrected. Modules may then leave their planned values, so that the tip follows the plan.
     pub fn is_corrected(&self) -> bool {
-        self.feedback || self.corrections
+        self.feedback.is_some() || self.corrections
     }
 
     /// Number of pressure channels: one past the last channel of any module.

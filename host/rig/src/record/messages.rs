@@ -55,6 +55,11 @@ pub(super) const HEADER: (&str, &str) = ("std_msgs/Header", "builtin_interfaces/
 pub(super) const TIME: (&str, &str) = ("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n");
 /// `geometry_msgs/Point`, a position.
 pub(super) const POINT: (&str, &str) = ("geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z\n");
+/// `geometry_msgs/Vector3`, a direction or a rate.
+pub(super) const VECTOR: (&str, &str) = ("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n");
+/// `geometry_msgs/Quaternion`, an orientation.
+pub(super) const QUATERNION: (&str, &str) =
+    ("geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n");
 
 /// `/softlimb/telemetry`.
 pub(super) const TELEMETRY: MessageType =

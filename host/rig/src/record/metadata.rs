@@ -1,7 +1,7 @@
 //! The two metadata records of a log, written and read: what is known before a run
 //! and what is known after it.
 
-use super::{ModuleInfo, RecordError, RunEnd, RunInfo};
+use super::{ModuleInfo, Observer, RecordError, RunEnd, RunInfo};
 use softlimb_chart::WEIGHTLESS;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,6 +13,7 @@ const INJECTED: &str = "injected_faults";
 const TRUTH: &str = "true_limb";
 /// Keys of what corrected the setpoints.
 const FEEDBACK: &str = "feedback";
+const OBSERVER: &str = "observer";
 const CORRECTIONS: &str = "corrections";
 /// Key of the highest true pressures.
 const PEAKS: &str = "peak_chamber_pa";
@@ -45,8 +46,9 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
     if let Some(truth) = &info.truth {
         metadata.insert(TRUTH.into(), truth.clone());
     }
-    if info.feedback {
+    if let Some(observer) = info.feedback {
         metadata.insert(FEEDBACK.into(), true.to_string());
+        metadata.insert(OBSERVER.into(), observer.word().into());
     }
     if info.corrections {
         metadata.insert(CORRECTIONS.into(), true.to_string());
@@ -99,6 +101,13 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
     if found != super::FORMAT_VERSION {
         return Err(RecordError::Version { path: path.to_owned(), found: found.to_owned() });
     }
+    // Logs of earlier versions have feedback by a camera alone, and do not name it.
+    let observer = match run.get(OBSERVER).map(String::as_str) {
+        None | Some("camera") => Observer::Camera,
+        Some("imus") => Observer::Imus,
+        Some(other) => return Err(fields.wrong(OBSERVER, format!("unknown word `{other}`"))),
+    };
+    let corrects = run.contains_key(FEEDBACK) && fields.parse(FEEDBACK)?;
     let info = RunInfo {
         scene_name: fields.text("scene")?.to_owned(),
         scene_text,
@@ -119,7 +128,7 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
         injected_faults: if run.contains_key(INJECTED) { fields.json(INJECTED)? } else { Vec::new() },
         weightless: run.contains_key(WEIGHTLESS) && fields.parse(WEIGHTLESS)?,
         truth: run.get(TRUTH).cloned(),
-        feedback: run.contains_key(FEEDBACK) && fields.parse(FEEDBACK)?,
+        feedback: corrects.then_some(observer),
         corrections: run.contains_key(CORRECTIONS) && fields.parse(CORRECTIONS)?,
     };
     check_modules(&info)?;

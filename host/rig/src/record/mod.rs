@@ -30,7 +30,7 @@ pub use error::RecordError;
 pub(crate) use log::quantity_name;
 pub use log::{
     ChannelSample, ContactRecord, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, NearestInfo,
-    OutputSample, PhaseInfo, RunEnd, RunInfo, RunLog, Sample, Shape, SwingInfo, TargetRecord,
+    Observer, OutputSample, PhaseInfo, RunEnd, RunInfo, RunLog, Sample, Shape, SwingInfo, TargetRecord,
 };
 pub use reader::read;
 pub use recover::{Recovered, recover};
@@ -61,6 +61,7 @@ const OUTPUTS_TOPIC: &str = "/softlimb/outputs";
 const WIRE_TOPIC: &str = "/softlimb/wire";
 const SAMPLES_TOPIC: &str = "/softlimb/samples";
 const CAMERA_TOPIC: &str = "/softlimb/camera";
+const IMU_TOPIC: &str = "/softlimb/imu";
 const TICKS_TOPIC: &str = "/softlimb/ticks";
 const SHAPE_TOPIC: &str = "/softlimb/shape";
 const BODY_TOPIC: &str = "/softlimb/body";

@@ -4,8 +4,8 @@ use super::container::options;
 use super::reader::read_bytes;
 use super::viewer;
 use super::{
-    BODY_TOPIC, CAMERA_TOPIC, FAULT_TOPIC, RecordError, SAMPLES_TOPIC, SHAPE_TOPIC, TELEMETRY_TOPIC, TICKS_TOPIC,
-    WIRE_TOPIC,
+    BODY_TOPIC, CAMERA_TOPIC, FAULT_TOPIC, IMU_TOPIC, RecordError, SAMPLES_TOPIC, SHAPE_TOPIC, TELEMETRY_TOPIC,
+    TICKS_TOPIC, WIRE_TOPIC,
 };
 use mcap::records::{Record, op};
 use softlimb_files::write_whole;
@@ -17,7 +17,8 @@ use std::path::Path;
 const RECORD_HEADER: usize = 1 + 8;
 
 /// Topics that number their own messages, instead of taking the number of the sample.
-const ALONE: [&str; 7] = [FAULT_TOPIC, SHAPE_TOPIC, BODY_TOPIC, WIRE_TOPIC, SAMPLES_TOPIC, TICKS_TOPIC, CAMERA_TOPIC];
+const ALONE: [&str; 8] =
+    [FAULT_TOPIC, SHAPE_TOPIC, BODY_TOPIC, WIRE_TOPIC, SAMPLES_TOPIC, TICKS_TOPIC, CAMERA_TOPIC, IMU_TOPIC];
 
 /// Outcome of a recovery.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

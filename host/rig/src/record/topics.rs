@@ -4,7 +4,7 @@ use super::RunInfo;
 use super::messages::{
     BODY, DEFORMATION, FAULT, MessageType, OUTPUTS, POINT_STAMPED, SAMPLES, SHAPE, TELEMETRY, TICKS, TRUTH, WIRE,
 };
-use super::standard::{FLUID_PRESSURE, JOINT_STATE, pressure_topic};
+use super::standard::{FLUID_PRESSURE, IMU, JOINT_STATE, pressure_topic};
 use std::collections::BTreeMap;
 
 /// Numbers under which the container knows the topics of one log.
@@ -23,6 +23,8 @@ pub(super) struct Topics {
     pub(super) samples: Option<u16>,
     /// Topic of images; `None` before the first: only scenes with a camera have any.
     pub(super) camera: Option<u16>,
+    /// Topic of readings of IMUs; `None` before the first: only scenes with IMUs have any.
+    pub(super) imu: Option<u16>,
     /// One per pressure channel.
     pub(super) pressure: Vec<u16>,
     /// Setpoint, modelled.
@@ -65,6 +67,11 @@ pub(super) fn declare_camera<W: std::io::Write + std::io::Seek>(mcap: &mut mcap:
     declare(mcap, super::CAMERA_TOPIC, POINT_STAMPED)
 }
 
+/// Declares the topic of the IMUs.
+pub(super) fn declare_imu<W: std::io::Write + std::io::Seek>(mcap: &mut mcap::Writer<W>) -> mcap::McapResult<u16> {
+    declare(mcap, super::IMU_TOPIC, IMU)
+}
+
 fn declare<W: std::io::Write + std::io::Seek>(
     mcap: &mut mcap::Writer<W>,
     topic: &str,
@@ -94,6 +101,7 @@ impl Topics {
             ticks: None,
             samples: None,
             camera: None,
+            imu: None,
             pressure: (0..info.channel_count())
                 .map(|channel| declare(&pressure_topic(channel), FLUID_PRESSURE))
                 .collect::<Result<_, _>>()?,

@@ -2,14 +2,15 @@
 
 use super::background::{Background, LogFile};
 use super::container::{options, partial_path, write_opening};
+use super::drawn::connector_frame;
 use super::messages::{
     Truth, encode_body, encode_deformation, encode_fault, encode_outputs, encode_point, encode_shape, encode_telemetry,
 };
 use super::metadata::{check_modules, end_metadata};
 use super::samples::encode_samples;
-use super::standard::{RATE_HZ, encode_fluid_pressure, encode_joint_state};
+use super::standard::{RATE_HZ, encode_fluid_pressure, encode_imu, encode_joint_state};
 use super::ticks::{encode_ticks, first_row};
-use super::topics::{Observed, Topics, declare_camera, declare_samples, declare_ticks};
+use super::topics::{Observed, Topics, declare_camera, declare_imu, declare_samples, declare_ticks};
 use super::viewer::Viewer;
 use super::wire::encode_wire;
 use super::{
@@ -256,6 +257,30 @@ impl Recorder {
         self.topics.camera = Some(topic);
         let at = self.stamp(time_s);
         self.write_other(topic, at, &encode_point(at, tip_m))
+    }
+
+    /// Appends a reading of the IMU on the end plate of a module at a time of the run, s: a unit quaternion, x, y, z, w, in the frame of the scene,
+    /// and an angular rate in the frame of the plate, rad/s. A module that is not described has none.
+    ///
+    /// # Errors
+    /// [`RecordError::File`] when the disk refuses.
+    pub fn imu(
+        &mut self,
+        time_s: f64,
+        module: usize,
+        orientation: [f64; 4],
+        rate_rad_per_s: [f64; 3],
+    ) -> Result<(), RecordError> {
+        let names = self.info.limb.as_ref().map(|limb| &limb.modules);
+        let Some(name) = names.and_then(|names| names.get(module)) else { return Ok(()) };
+        let frame = connector_frame(name);
+        let topic = match self.topics.imu {
+            Some(topic) => topic,
+            None => declare_imu(&mut self.mcap).map_err(RecordError::written("declaring the topics", &self.partial))?,
+        };
+        self.topics.imu = Some(topic);
+        let at = self.stamp(time_s);
+        self.write_other(topic, at, &encode_imu(at, &frame, orientation, rate_rad_per_s))
     }
 
     /// Appends control ticks of a simulated or emulated device.

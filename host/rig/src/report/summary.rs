@@ -2,7 +2,7 @@
 
 use super::stats::{ErrorStats, distance};
 use crate::record::{
-    ContactRecord, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, RunInfo, RunLog, Sample,
+    ContactRecord, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, Observer, RunInfo, RunLog, Sample,
 };
 use fra_model::StateQuantity;
 use serde::Serialize;
@@ -23,8 +23,11 @@ pub struct Summary {
     /// The simulated limb in words; absent where it is the planner's with perturbed parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth: Option<String>,
-    /// Whether a camera's images corrected the setpoints.
+    /// Whether measurements of the limb corrected the setpoints.
     pub feedback: bool,
+    /// Sensors of these measurements; absent without feedback.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub observer: Option<Observer>,
     /// Whether the setpoints had the corrections of the scene.
     pub corrections: bool,
     /// Seed of everything random in a simulated run; absent on a device.
@@ -176,7 +179,8 @@ pub fn summary(log: &RunLog) -> Summary {
         simulated: log.info.simulated,
         weightless: log.info.weightless,
         truth: log.info.truth.clone(),
-        feedback: log.info.feedback,
+        feedback: log.info.feedback.is_some(),
+        observer: log.info.feedback,
         corrections: log.info.corrections,
         seed: log.info.seed,
         duration_s,

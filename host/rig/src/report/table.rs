@@ -2,6 +2,7 @@
 
 use super::Summary;
 use super::rows::{self, ErrorRow, ModuleRow};
+use crate::record::Observer;
 use softlimb_chart::labelled;
 use std::fmt::Write;
 
@@ -44,7 +45,10 @@ pub(super) fn origin(summary: &Summary) -> String {
         (false, _) => "on a device".to_owned(),
     };
     let words = summary.truth.as_deref().into_iter().chain(summary.corrections.then_some("corrected setpoints"));
-    let words = words.chain(summary.feedback.then_some("feedback by camera"));
+    let words = words.chain(summary.observer.map(|observer| match observer {
+        Observer::Camera => "feedback by camera",
+        Observer::Imus => "feedback by IMUs",
+    }));
     let origin = words.fold(origin, |origin, words| format!("{origin}, {words}"));
     labelled(&origin, summary.weightless)
 }

@@ -12,6 +12,7 @@ use super::prepared::Origin;
 use super::reference::Reference;
 use super::solid;
 use crate::camera::Camera;
+use crate::imu::Imus;
 use crate::link::{DeviceFault, LinkStatistics, valve_supply_v};
 use crate::record::{
     Body, ChannelSample, ContactRecord, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample,
@@ -44,6 +45,7 @@ pub(super) struct Assembler<'a> {
     /// The model's limb under load, where setpoints are corrected for weight.
     weighed: Option<Nominal<'a>>,
     camera: Option<Camera>,
+    imus: Option<Imus>,
     start_us: Option<u64>,
     next_shape_s: f64,
     next_body_s: f64,
@@ -62,8 +64,8 @@ enum TrueLimb<'a> {
 /// Observations of the limb when a message comes.
 pub(super) struct Seen {
     pub(super) sample: Sample,
-    /// What the camera has; `None` without a camera.
-    pub(super) frame: Option<Frame>,
+    /// Measurements of camera and IMUs.
+    pub(super) frame: Frame,
     pub(super) shape: Option<Shape>,
     pub(super) body: Option<Body>,
     /// The same, by the model where nobody sees the limb.
@@ -101,15 +103,16 @@ impl<'a> Assembler<'a> {
             grasp,
             weighed,
             camera: None,
+            imus: None,
             start_us: None,
             next_shape_s: 0.0,
             next_body_s: 0.0,
         }
     }
 
-    /// The same with a camera that observes the tip.
-    pub(super) fn observed_by(self, camera: Option<Camera>) -> Self {
-        Self { camera, ..self }
+    /// The same with a camera that observes the tip, and IMUs on the end plates of the modules.
+    pub(super) fn observed_by(self, camera: Option<Camera>, imus: Option<Imus>) -> Self {
+        Self { camera, imus, ..self }
     }
 
     /// The same without shapes and bodies beside the samples.
@@ -194,16 +197,24 @@ impl<'a> Assembler<'a> {
             tip_modelled_m,
             tip_achieved_m,
         };
+        let observed = || match &hung {
+            Some(hung) => hung.as_ref().map(|hung| hung.body.clone()),
+            None => free.as_ref().map(Chain::body),
+        };
+        let due = self.imus.as_mut().filter(|imus| imus.are_due(time_s));
+        let readings = due.and_then(|imus| {
+            let plates = solid::connectors(self.limb, &observed()?);
+            Some(imus.readings(time_s, plates.iter().map(|plate| plate.rotation).collect()))
+        });
+        let tip_m = self.camera.as_mut().zip(tip_achieved_m);
+        let tip_m = tip_m.and_then(|(camera, tip_m)| camera.image(time_s, &tip_m.into()));
+        let frame = Frame { time_s, tip_m: tip_m.map(Into::into), readings: readings.unwrap_or_default() };
         let (shown, posture) = if time_s >= self.next_body_s {
             self.next_body_s += BODY_PERIOD_S;
             let unloaded = || Some(self.limb.tip(achieved.as_ref()?));
             // The model of a plan that compensates weight has the sag in it.
             let hangs = hung.is_some() && !self.scene.weightless();
             let tip_unloaded_m = if hangs && self.weighed.is_none() { unloaded() } else { None };
-            let observed = || match &hung {
-                Some(hung) => hung.as_ref().map(|hung| hung.body.clone()),
-                None => free.as_ref().map(Chain::body),
-            };
             let drawn = match (truth, &nominal) {
                 (Some(_), _) => observed(),
                 (None, None) => Some(self.limb.body(&modelled)),
@@ -228,10 +239,6 @@ impl<'a> Assembler<'a> {
             }
         });
         let body = shown.clone().filter(|_| truth.is_some());
-        let frame = self.camera.as_mut().map(|camera| {
-            let tip_m = tip_achieved_m.and_then(|tip_m| camera.image(time_s, &tip_m.into()));
-            Frame { time_s, tip_m: tip_m.map(Into::into) }
-        });
         Some(Seen { sample, frame, shape, body, shown, posture, faults })
     }
 
@@ -398,7 +405,7 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, phases: Vec<PhaseInfo>, origi
         // A limb on a device has its weight, whatever the plan says.
         weightless: seed.is_some() && scene.weightless(),
         truth: seed.and_then(|_| scene.plant().truth.label()),
-        feedback: false,
+        feedback: None,
         corrections: false,
         injected_faults: Vec::new(),
     }

@@ -21,6 +21,11 @@ pub enum RunError {
         "`feedback = true` in `[camera]` needs a camera, and none is connected to a device behind a port: set `feedback = false`"
     )]
     NoCamera,
+    /// The scene corrects its runs by IMUs, and the limb is not simulated.
+    #[error(
+        "`feedback = true` in `[imu]` needs IMUs, and none are connected to a device behind a port: set `feedback = false`"
+    )]
+    NoImus,
     /// The simulated device cannot be built.
     #[error("the simulated device cannot be built: {0}")]
     Simulation(#[from] SimError),

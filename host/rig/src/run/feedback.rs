@@ -1,33 +1,37 @@
-//! Feedback of the tip's position within a run, from a camera's images.
+//! Feedback of the tip's position within a run, from a camera's images or from the orientations of IMUs.
 //!
-//! An image says that the tip is off its plan by `e`, which is integrated: `du/dt = -gain J+ e`, with the derivatives `J` of the model at the
-//! planned pose, as in learning. A notch at each of the two slowest predicted vibrations keeps the loop from exciting them.
+//! A measurement says that the tip is off its plan by `e`, which is integrated: `du/dt = -gain J+ e`, with the derivatives `J` of the model at the
+//! planned pose, as in learning; with IMUs they are those of the estimate. A notch at each of the two slowest predicted vibrations keeps the loop
+//! from exciting them.
 //!
-//! The setpoints are sent a short lead ahead ([`link::live`]), so that an image has an effect after its latency and that lead.
+//! The setpoints are sent a short lead ahead ([`link::live`]), so that a measurement has an effect after its latency and that lead.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::ops::Range;
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use softlimb_protocol::{DeviceState, Outputs};
 
+use super::tip_estimate::TipEstimate;
 use crate::correction::{Columns, columns, groups};
+use crate::imu::Reading;
 use crate::link;
 use crate::link::{DeviceConfiguration, Event, Knot, LinkError, Pilot, StreamOptions, Transport, Wish};
+use crate::record::Observer;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::{Plan, Sent, Vibrations};
 use softlimb_scene::{Scene, SceneError};
 
-/// Bounds of the rate at which the error is taken away: of the inverse of the delay from an image to its effect, a quarter of what is stable, and of the
+/// Bounds of the rate at which the error is taken away: of the inverse of the delay from a measurement to its effect, a quarter of what is stable, and of the
 /// angular frequency of the slowest vibration.
 const GAIN_OF_DELAY: f64 = 0.4;
 const GAIN_OF_MODE: f64 = 0.3;
 /// Damping ratio of a notch: frequencies 10 % off are attenuated to 15 %.
 const NOTCH: f64 = 0.7;
-/// Longest time between two images that is integrated over, s.
+/// Longest time between two measurements that is integrated over, s.
 const LONGEST_S: f64 = 0.1;
 /// Time between the poses whose derivatives are computed, us.
 const POSE_US: u64 = 200_000;
@@ -35,7 +39,8 @@ const POSE_US: u64 = 200_000;
 /// What feedback knows in advance.
 #[derive(Clone, Debug)]
 pub(super) struct Settings {
-    /// Time from an image to its position, s.
+    observer: Observer,
+    /// Time from a measurement to its arrival, s.
     latency_s: f64,
     /// Angular frequencies of the two slowest vibrations at the end of each move, 1/s; none where they are not predicted.
     modes: Vec<[f64; 2]>,
@@ -49,13 +54,24 @@ impl Settings {
     /// # Errors
     /// A diagnostic at the phase in which the limb falls.
     pub(super) fn of(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Option<Self>, SceneError> {
-        let Some(camera) = scene.camera().filter(|camera| camera.feedback) else { return Ok(None) };
+        let camera = scene.camera().filter(|camera| camera.feedback);
+        let imus = scene.imu().filter(|imu| imu.feedback);
+        let Some((observer, latency_s)) = camera
+            .map(|camera| (Observer::Camera, camera.latency_s))
+            .or(imus.map(|imus| (Observer::Imus, imus.latency_s)))
+        else {
+            return Ok(None);
+        };
         let angular = |vibrations: &Vibrations| vibrations.frequency_hz.map(|hz| TAU * hz);
         let swings = motion::swings(scene, limb, plan)?;
         let all = swings.iter().flat_map(|swing| std::iter::once(&swing.moved).chain(&swing.held));
         let slowest = all.map(|vibrations| angular(vibrations)[0]).fold(f64::INFINITY, f64::min);
         let modes = swings.iter().map(|swing| angular(&swing.moved)).collect();
-        Ok(Some(Self { latency_s: camera.latency_s, modes, slowest }))
+        Ok(Some(Self { observer, latency_s, modes, slowest }))
+    }
+
+    pub(super) fn observer(&self) -> Observer {
+        self.observer
     }
 
     /// Rate at which the error is taken away, 1/s.
@@ -75,34 +91,37 @@ pub(super) struct Task<'a> {
     pub(super) settings: &'a Settings,
 }
 
-/// What the camera has at a report of the device: all that feedback knows of the limb.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Measurements of camera and IMUs at a report of the device: all that feedback knows of the limb.
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Frame {
     /// Time since the start of the plan, s.
     pub(super) time_s: f64,
     /// The tip, m; `None` where no image was due or the tip was not found in it.
     pub(super) tip_m: Option<[f64; 3]>,
+    /// Readings of the IMUs, `None` where one is lost; none where they were not due.
+    pub(super) readings: Vec<Option<Reading>>,
 }
 
-/// Positions on their way, and those that have arrived: time, s, and tip, m.
+/// Measurements on their way, and those that have arrived.
 #[derive(Default)]
 struct Arrivals {
-    on_the_way: VecDeque<(f64, Vector3<f64>)>,
-    arrived: Vec<(f64, Vector3<f64>)>,
+    on_the_way: VecDeque<Frame>,
+    arrived: Vec<Frame>,
 }
 
 impl Arrivals {
-    /// Takes what the camera has at a report; positions of the latency's age arrive.
+    /// Takes the measurements at a report; those of the latency's age arrive.
     fn take(&mut self, frame: Frame, latency_s: f64) {
-        self.on_the_way.extend(frame.tip_m.map(|tip_m| (frame.time_s, tip_m.into())));
+        let now_s = frame.time_s;
+        self.on_the_way.push_back(frame);
         // A microsecond is the resolution of the device's clock.
-        let is_due = |(time_s, _): &(f64, _)| frame.time_s - time_s >= latency_s - 0.5e-6;
+        let is_due = |frame: &Frame| now_s - frame.time_s >= latency_s - 0.5e-6;
         let due = self.on_the_way.partition_point(is_due);
         self.arrived.extend(self.on_the_way.drain(..due));
     }
 }
 
-/// Streams the setpoints of a task to a device, corrected by a camera's images. `on_event` gives what the camera has at a report.
+/// Streams the setpoints of a task to a device, corrected by measurements. `on_event` gives those at a report.
 ///
 /// # Errors
 /// As [`link::live`]; [`LinkError::Stopped`] if the device held because setpoints came too late.
@@ -130,7 +149,7 @@ pub(super) fn follow<D: Transport>(
     }
 }
 
-/// Setpoints of a plan, corrected by images.
+/// Setpoints of a plan, corrected by measurements.
 struct Feedback<'a> {
     task: Task<'a>,
     arrivals: &'a RefCell<Arrivals>,
@@ -139,9 +158,11 @@ struct Feedback<'a> {
     /// Correction of each group, in the unit of its setpoint.
     values: Vec<f64>,
     notches: [Notch; 2],
+    /// The tip by the IMUs, where they correct.
+    estimate: Option<TipEstimate<'a>>,
     /// The latest pose: its number, and the motion of the tip with the whole range of each group, m.
     pose: Option<(u64, Vec<Vector3<f64>>)>,
-    /// Time of the last image, s.
+    /// Time of the last measurement, s.
     last_s: f64,
     /// Time of the last knot since the start of the plan, us.
     knot_us: u64,
@@ -157,6 +178,8 @@ impl<'a> Feedback<'a> {
             values: vec![0.0; groups.len()],
             groups,
             notches: [Notch::default(); 2],
+            estimate: (task.settings.observer == Observer::Imus)
+                .then(|| TipEstimate::new(task.scene, task.limb, task.plan)),
             pose: None,
             last_s: 0.0,
             knot_us: 0,
@@ -164,9 +187,19 @@ impl<'a> Feedback<'a> {
         }
     }
 
-    /// Corrects the setpoints by the position of the tip, m, in the image of a time, s.
-    fn see(&mut self, (time_s, tip_m): (f64, Vector3<f64>)) {
+    /// The tip by measurements, m; `None` where they do not give it.
+    fn tip_m(&mut self, frame: &Frame) -> Option<Vector3<f64>> {
+        let Some(estimate) = &mut self.estimate else { return frame.tip_m.map(Into::into) };
+        let of_reading = |reading: &Option<Reading>| reading.map(|reading| reading.orientation);
+        let orientations = frame.readings.iter().map(of_reading).collect::<Option<Vec<UnitQuaternion<f64>>>>()?;
+        if orientations.is_empty() { None } else { estimate.tip_m(1e6 * frame.time_s, &orientations) }
+    }
+
+    /// Corrects the setpoints by measurements.
+    fn see(&mut self, frame: &Frame) {
+        let Some(tip_m) = self.tip_m(frame) else { return };
         let Task { scene, limb, plan, sent, settings } = self.task;
+        let time_s = frame.time_s;
         let time_us = 1e6 * time_s;
         let span_s = (time_s - self.last_s).max(0.0);
         self.last_s = time_s;
@@ -184,7 +217,10 @@ impl<'a> Feedback<'a> {
         let number = time_us as u64 / POSE_US;
         if self.pose.as_ref().is_none_or(|(known, _)| *known != number) {
             let middle_us = (number * POSE_US + POSE_US / 2).min(plan.duration_us());
-            let slopes = motion::planned_slopes(scene, limb, plan, middle_us as f64);
+            let slopes = match &mut self.estimate {
+                Some(estimate) => estimate.slopes(&self.groups, middle_us as f64),
+                None => motion::planned_slopes(scene, limb, plan, middle_us as f64),
+            };
             self.pose = Some((number, columns(limb, &self.groups, &slopes)));
         }
         let Some((_, columns)) = &self.pose else { return };
@@ -209,7 +245,7 @@ impl<'a> Feedback<'a> {
 impl Pilot for Feedback<'_> {
     fn look(&mut self, _now_us: u64) -> Wish {
         let arrived = std::mem::take(&mut self.arrivals.borrow_mut().arrived);
-        arrived.into_iter().for_each(|image| self.see(image));
+        arrived.iter().for_each(|frame| self.see(frame));
         // The last knot is a lead ahead of the device.
         let end_us = self.task.plan.duration_us() + link::START_US;
         if self.has_held || self.knot_us >= end_us { Wish::End } else { Wish::Nothing }
@@ -244,7 +280,7 @@ struct Notch {
 impl Notch {
     /// The output for an input after a time, s, by an angular frequency, 1/s.
     fn passed(&mut self, input: Vector3<f64>, mode: f64, span_s: f64) -> Vector3<f64> {
-        // The frequency at which the trapezoidal rule has its zero. Images too few for the frequency pass as they are.
+        // The frequency at which the trapezoidal rule has its zero. Measurements too few for the frequency pass as they are.
         let half = 0.5 * mode * span_s;
         if half >= FRAC_PI_2 {
             *self = Self { input, slow: input, fast: Vector3::zeros() };
@@ -297,26 +333,46 @@ mod tests {
             notch.passed(constant, 3.0, 0.02);
         }
         assert!((notch.passed(constant, 9.0, 0.02) - constant).norm() < 1e-9);
-        assert!((notch.passed(constant, 9.0, 0.0) - constant).norm() < 1e-9, "two images of one time");
+        assert!((notch.passed(constant, 9.0, 0.0) - constant).norm() < 1e-9, "two measurements of one time");
     }
 
     #[test]
-    fn positions_arrive_a_latency_late_in_order() {
+    fn measurements_arrive_a_latency_late_in_order() {
         let mut arrivals = Arrivals::default();
         for index in 0..10 {
             let time_s = 0.02 * f64::from(index);
-            arrivals.take(Frame { time_s, tip_m: (index != 4).then_some([f64::from(index); 3]) }, 0.06);
-            let arrived: Vec<f64> = arrivals.arrived.drain(..).map(|(_, tip_m)| tip_m.x).collect();
-            let expected = (index >= 3 && index != 7).then(|| f64::from(index - 3));
+            arrivals.take(Frame { time_s, tip_m: Some([f64::from(index); 3]), readings: Vec::new() }, 0.06);
+            let arrived: Vec<f64> = arrivals.arrived.drain(..).map(|frame| frame.tip_m.unwrap()[0]).collect();
+            let expected = (index >= 3).then(|| f64::from(index - 3));
             assert_eq!(arrived, Vec::from_iter(expected), "{index}");
         }
+    }
+
+    #[test]
+    fn lost_reading_leaves_no_estimate() {
+        let path = format!("{}/../../scenes/single-bending.toml", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).unwrap() + "[imu]\nfeedback = true\n";
+        let scene = softlimb_scene::parse(&text, "scene.toml").unwrap();
+        let limb = Limb::new(&scene).unwrap();
+        let plan = motion::plan(&scene, &limb).unwrap();
+        let (sent, settings) = (Sent::uncorrected(&limb, &plan), Settings::of(&scene, &limb, &plan).unwrap().unwrap());
+        let task = Task { scene: &scene, limb: &limb, plan: &plan, sent: &sent, settings: &settings };
+        let arrivals = RefCell::default();
+        let mut feedback = Feedback::new(task, &arrivals);
+        let reading = Reading { orientation: limb.base().rotation, rate_rad_per_s: Vector3::zeros() };
+        let mut has_tip = |readings: &[Option<Reading>]| {
+            // The tip of a camera is there, too, and is not taken.
+            feedback.tip_m(&Frame { time_s: 0.5, tip_m: Some([0.0; 3]), readings: readings.to_vec() }).is_some()
+        };
+        assert!(has_tip(&[Some(reading)]));
+        assert!(!has_tip(&[None]) && !has_tip(&[]));
     }
 
     /// Largest error in the last of 60 s of a limb of one lightly damped vibration of 1 Hz that follows its setpoint after the delay, by images every
     /// 20 ms, from an error of one.
     fn left(notched: bool) -> f64 {
         let (mode, damping, span_s) = (TAU, 0.025, 1e-3);
-        let settings = Settings { latency_s: 0.03, modes: Vec::new(), slowest: mode };
+        let settings = Settings { observer: Observer::Camera, latency_s: 0.03, modes: Vec::new(), slowest: mode };
         let (mut notch, mut setpoint, mut place, mut speed, mut most) = (Notch::default(), 0.0, 0.0, 0.0, 0.0_f64);
         let mut sent = VecDeque::from(vec![0.0; 170]);
         for index in 0..60_000 {

@@ -232,7 +232,7 @@ fn info(channels: usize, start_unix_ns: u64, device: Option<&DeviceInfo>) -> Run
         simulated: false,
         weightless: false,
         truth: None,
-        feedback: false,
+        feedback: None,
         corrections: false,
         injected_faults: Vec::new(),
     }

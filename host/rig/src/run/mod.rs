@@ -18,6 +18,7 @@ mod reference;
 mod solid;
 mod tape;
 mod timed_fault;
+mod tip_estimate;
 mod track;
 mod tube_law;
 mod unobserved;
@@ -216,6 +217,9 @@ pub fn run_behind(
 ) -> Result<RunFiles, RunError> {
     if scene.camera().is_some_and(|camera| camera.feedback) {
         return Err(RunError::NoCamera);
+    }
+    if scene.imu().is_some_and(|imu| imu.feedback) {
+        return Err(RunError::NoImus);
     }
     let mut prepared = Prepared::planned(scene, limb, plan)?;
     if let Some(request) = samples {

@@ -13,6 +13,7 @@ use super::observed::Observed;
 use super::recording::Bench;
 use super::reference::Planned;
 use crate::camera::Camera;
+use crate::imu::Imus;
 use crate::link;
 use crate::link::{
     DeviceConfiguration, Event, Knot, LinkError, SampleRequest, Sampling, StreamOptions, Traffic, Transport,
@@ -146,7 +147,7 @@ impl<'a> Prepared<'a> {
 
     pub(super) fn info(&self, origin: Origin) -> RunInfo {
         let mut info = run_info(self.scene, &self.limb, phase_infos(self.scene, &self.plan), origin);
-        info.feedback = self.feedback.is_some();
+        info.feedback = self.feedback.as_ref().map(Settings::observer);
         info.corrections = self.scene.corrections().is_some();
         for object in &mut info.carried {
             object.start_m = Some(self.plan.tip_m(&self.limb, object.from_s * 1e6));
@@ -163,7 +164,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// What makes samples of a run of the limb of a scene, which need not be the planned one. The seeds are those of a body's specimen and of the
-    /// noise of a camera.
+    /// noise of camera and IMUs.
     pub(super) fn assembler<'p>(
         &'p self,
         plant: &'p Scene,
@@ -172,8 +173,10 @@ impl<'a> Prepared<'a> {
     ) -> Assembler<'p> {
         let reference = Planned::new(self.scene, &self.limb, &self.plan);
         let tier = self.plan.weighed().map(|weighed| weighed.tier);
+        let camera = self.scene.camera().map(|camera| Camera::new(*camera, noise, seed));
+        let imus = self.scene.imu().map(|imu| Imus::new(*imu, self.limb.modules().len(), noise, seed));
         Assembler::new((self.scene, &self.limb), reference, tier, (plant, simulated), (seed, self.laws.clone()))
-            .observed_by(self.scene.camera().map(|camera| Camera::new(*camera, noise, seed)))
+            .observed_by(camera, imus)
     }
 
     /// Settings of a session with a device.
@@ -182,7 +185,7 @@ impl<'a> Prepared<'a> {
         StreamOptions { sampling: self.sampling, ..options }
     }
 
-    /// Streams the setpoints to a device, corrected by a camera's images if the scene asks for it. `on_event` gives what the camera has at a report.
+    /// Streams the setpoints to a device, corrected by a camera or by IMUs if the scene has such feedback. `on_event` gives their measurements at a report.
     pub(super) fn stream<D: Transport>(
         &self,
         device: &mut D,
@@ -226,7 +229,7 @@ impl<'a> Prepared<'a> {
                     let seen = assembler.sample(&message, truth.as_ref())?;
                     faults.extend(seen.faults);
                     samples.push(seen.sample);
-                    return seen.frame;
+                    return Some(seen.frame);
                 }
                 Event::Fault { message, .. } => faults.push(assembler.fault(&message)),
                 _ => {}

@@ -12,6 +12,7 @@ use super::prepared::{Origin, Prepared};
 use super::tape::Tape;
 use super::timed_fault::TimedFault;
 use super::{Progress, RunError, RunFiles, write_report};
+use crate::imu::Reading;
 use crate::link::{Event, LinkError, LinkStatistics, Transport};
 use crate::record;
 use crate::record::{
@@ -171,7 +172,7 @@ pub(super) struct Recording<'a> {
     body: Option<Body>,
     /// Its frames then.
     posture: Option<Posture>,
-    /// What the camera had at the latest report.
+    /// Measurements of camera and IMUs at the latest report.
     frame: Option<Frame>,
     /// How the targets were met by hand.
     pub(super) targets: Vec<TargetRecord>,
@@ -236,7 +237,7 @@ impl<'a> Recording<'a> {
         self.body.take()
     }
 
-    /// What the camera has had since the last call.
+    /// Measurements of camera and IMUs since the last call.
     pub(super) fn take_frame(&mut self) -> Option<Frame> {
         self.frame.take()
     }
@@ -308,7 +309,6 @@ impl<'a> Recording<'a> {
                     self.assembler.sample(&message, truth)
                 {
                     self.body = shown.or(self.body.take());
-                    self.frame = frame;
                     if let Some(recorder) = &mut self.recorder {
                         recorder.sample(&sample)?;
                         self.last_s = Some(sample.time_s);
@@ -316,10 +316,14 @@ impl<'a> Recording<'a> {
                         body.map_or(Ok(()), |body| recorder.body(&body))?;
                         posture.as_ref().map_or(Ok(()), |posture| recorder.posture(posture))?;
                         faults.iter().try_for_each(|fault| recorder.fault(fault))?;
-                        if let Some(Frame { time_s, tip_m: Some(tip_m) }) = frame {
-                            recorder.image(time_s, tip_m)?;
+                        frame.tip_m.map_or(Ok(()), |tip_m| recorder.image(frame.time_s, tip_m))?;
+                        for (module, reading) in frame.readings.iter().enumerate() {
+                            let Some(Reading { orientation, rate_rad_per_s }) = reading else { continue };
+                            let orientation = orientation.coords.into();
+                            recorder.imu(frame.time_s, module, orientation, (*rate_rad_per_s).into())?;
                         }
                     }
+                    self.frame = Some(frame);
                     self.posture = posture.or(self.posture.take());
                     return Ok(Some(sample));
                 }

@@ -63,8 +63,11 @@ fn drawn(limb: &Limb, body: &Body) -> (Vec<[f64; 3]>, Vec<f64>) {
     sections.map(|section| (<[f64; 3]>::from(section.place_m()), section.radius_m)).unzip()
 }
 
-/// The pieces of each module: those that move, and the rigid ones behind them.
-fn parts<'a>(limb: &Limb, body: &'a Body) -> Vec<(&'a [Piece], &'a [Piece])> {
+/// The pieces of a module: those that move, and the rigid ones behind them.
+pub(super) type Part<'a> = (&'a [Piece], &'a [Piece]);
+
+/// The pieces of each module.
+pub(super) fn parts<'a>(limb: &Limb, body: &'a Body) -> Vec<Part<'a>> {
     let rigid = |module: &LimbModule| module.rigid_parts_m().iter().filter(|part| **part > 0.0).count();
     let rigid_parts: usize = limb.modules().iter().map(rigid).sum();
     let mut rest = body.pieces();
@@ -159,13 +162,18 @@ pub(super) fn drawn_limb(limb: &Limb) -> DrawnLimb {
     }
 }
 
+/// Poses of the modules' end plates.
+pub(super) fn connectors(limb: &Limb, body: &Body) -> Vec<Isometry3<f64>> {
+    let end = |(moving, _): Part<'_>| moving.last().map(|piece| piece.pose(1.0));
+    parts(limb, body).into_iter().filter_map(end).collect()
+}
+
 /// The limb for viewers at a time of the run, s.
 pub(super) fn posture(limb: &Limb, body: &Body, time_s: f64) -> Posture {
-    let behind = |(moving, _): (&[Piece], &[Piece])| moving.last().map(|piece| logged(&piece.pose(1.0)));
     Posture {
         time_s,
         links: cylinders(limb, body).iter().map(Cylinder::pose).collect(),
-        connectors: parts(limb, body).into_iter().filter_map(behind).collect(),
+        connectors: connectors(limb, body).iter().map(logged).collect(),
         tip: logged(body.end()),
     }
 }

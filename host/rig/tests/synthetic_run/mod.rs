@@ -63,7 +63,7 @@ pub(crate) fn info() -> RunInfo {
         simulated: true,
         weightless: false,
         truth: None,
-        feedback: false,
+        feedback: None,
         corrections: false,
         injected_faults: Vec::new(),
     }

@@ -313,6 +313,28 @@ def check_lines(name, messages, info):
         check([vector(point) for point in line.points] == [vector(point) for point in setpoint], f"{name}: another line")
 
 
+def check_imus(name, messages):
+    """IMUs without errors have the orientations of the plates, and the rates at which these turn."""
+    frames = {time: frames_of(message) for time, message in messages["/tf"]}
+    last, count, moved = {}, 0, 0.0
+    for time, reading in messages["/softlimb/imu"]:
+        frame, turn = reading.header.frame_id, matrix(reading.orientation)
+        check(reading.linear_acceleration_covariance[0] == -1, f"{name}: an acceleration of {frame}")
+        if time in frames:
+            apart = difference(turn, matrix(frames[time][frame].transform.rotation))
+            check(apart < 1e-9, f"{name}: the IMU at {frame} is turned by {apart}")
+            count += 1
+        rate = vector(reading.angular_velocity)
+        if frame in last:
+            before, start = last[frame]
+            angle = norm(rate) * (time - before) * 1e-9
+            expected = times(start, about(rate, angle)) if angle else start
+            check(difference(turn, expected) < 1e-7, f"{name}: the IMU at {frame} turns otherwise than at its rate")
+            moved = max(moved, norm(rate))
+        last[frame] = (time, turn)
+    check(count > 100 and moved > 0.05, f"{name}: {count} orientations, {moved} rad/s")
+
+
 def check_layout(name, messages):
     """Every topic and field of the layout for Foxglove is in the log, and the blueprint for rerun is written."""
     layout = json.loads((VIEWERS / "foxglove.json").read_text())["configById"]
@@ -394,6 +416,9 @@ def main():
         cylinders = check_gaps(name, messages, links)
         check_lines(name, messages, info)
         check_layout(name, messages)
+        check(("imu" in scene) == ("/softlimb/imu" in messages), f"{name}: readings of IMUs that the scene does not have, or none")
+        if "imu" in scene:
+            check_imus(name, messages)
         check_rosbags(name, log)
         drawn = check_rerun(name, log, robot.get("name"), links)
         seconds = (messages["/tf"][-1][0] - messages["/tf"][0][0]) * 1e-9

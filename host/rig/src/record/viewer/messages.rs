@@ -2,10 +2,8 @@
 
 use crate::record::cdr::CdrWriter;
 use crate::record::drawn::{Pose, WORLD};
-use crate::record::messages::{HEADER, MessageType, POINT, TIME, begin, stamp};
+use crate::record::messages::{HEADER, MessageType, POINT, QUATERNION, TIME, VECTOR, begin, stamp};
 
-const VECTOR: (&str, &str) = ("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n");
-const QUATERNION: (&str, &str) = ("geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n");
 const POSE: (&str, &str) =
     ("geometry_msgs/Pose", "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n");
 const POSE_STAMPED_TEXT: &str = "std_msgs/Header header\ngeometry_msgs/Pose pose\n";
