@@ -393,17 +393,15 @@ impl Words<'_> {
         self.at(self.phase(phase).span, title, &label, Some(&self.stiffer()))
     }
 
-    /// What makes a limb carry more, without what it has.
+    /// What makes a limb carry more, beyond what it has.
     fn stiffer(&self) -> String {
         let hangs = self.scene.limb().base_direction[2] < HANGS;
         let plain = self.scene.modules().iter().any(|module| module.actuators > 1 && module.spacers == 0);
-        let ways = [
-            (!hangs).then_some("let it hang (`base_direction`)"),
-            plain.then_some("give its modules `spacers`"),
-            Some("make it lighter or stiffer"),
-        ];
-        let ways: Vec<_> = ways.into_iter().flatten().collect();
-        format!("{}; `softlimb design limb` sizes a limb for its load", ways.join(", or "))
+        let hang = if hangs { "" } else { "let it hang (`base_direction`), or " };
+        let more = if plain { "" } else { "more " };
+        format!(
+            "{hang}give its modules {more}`spacers`, or make it lighter or stiffer; `softlimb design limb` sizes a limb for its load"
+        )
     }
 
     fn uncertain(&self, phase: usize, error: f64) -> SceneError {

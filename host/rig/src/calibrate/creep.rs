@@ -42,7 +42,7 @@ pub struct CreepFit {
 /// [`CalibrationError`]; above all where the series is too short to tell how far the creep goes and how fast.
 pub fn fit_creep(step: &Step, settings: &Settings) -> Result<CreepFit, CalibrationError> {
     fit_all(step, settings).map_err(|error| match error {
-        CalibrationError::NotIdentified { .. } if step.points.len() <= FEW => {
+        CalibrationError::NotIdentified { .. } | CalibrationError::NotReproduced { .. } if step.points.len() <= FEW => {
             the_one_off(step, settings).unwrap_or(error)
         }
         _ => error,
