@@ -14,6 +14,8 @@ use softlimb_rig::run::{Mcu, RunError, RunFiles, RunOptions, run, run_behind, su
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
+use crate::samples::samples;
+
 /// A scene of the repository with more text; its holds last 3 s.
 fn holding(name: &str, more: &str) -> Scene {
     let path = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -135,11 +137,11 @@ fn imus_bring_a_limb_that_differs_from_its_model_nearer_to_its_goals() {
     let messages = mcap::MessageStream::new(&bytes).unwrap().map(Result::unwrap);
     let readings = messages.filter(|message| message.channel.topic == "/softlimb/imu").count();
     assert_eq!(readings, 3 * log.samples.len());
-    let mut squares = 0.0;
-    summaries(&hanging("[imu]\nfeedback = true\n"), 1..=5, |seed, found| {
+    let (mut squares, limbs) = (0.0, samples(5));
+    summaries(&hanging("[imu]\nfeedback = true\n"), 1..=limbs.into(), |seed, found| {
         let found = found.unwrap().tip.at_holds_m.unwrap();
         println!("limb {seed}, errors of the data sheet, mm: {:.2}, at most {:.2}", 1e3 * found.rmse, 1e3 * found.max);
-        squares += found.rmse.powi(2) / 5.0;
+        squares += found.rmse.powi(2) / f64::from(limbs);
         true
     })
     .unwrap();
