@@ -51,6 +51,64 @@ fn poses_of_a_scene_have_their_largest_load_with_a_certificate() {
     }
 }
 
+/// Three axially wound tubes that expand. The force of threads nearly along the axis is almost a step of the pressure.
+const EXPANDING: &str = r#"format = 1
+name = "soft"
+
+[materials.rubber]
+law = "neo-hookean"
+shear_modulus = "0.1 MPa"
+
+[windings.axial]
+angle = "ANGLE"
+families = 2
+modulus = "300 MPa"
+thickness = "0.2 mm"
+
+[limb]
+base_direction = [1, 0, 0]
+base_up = [0, 0, 1]
+connector = { length = "10 mm", mass = "50 g" }
+
+[[module]]
+name = "tube"
+motion = "expansion"
+actuators = 3
+circle_radius = "20 mm"
+spacers = 2
+inner_radius = "6 mm"
+outer_radius = "8 mm"
+length = "100 mm"
+material = "rubber"
+winding = "axial"
+
+[weight]
+simulated = false
+
+[[phase]]
+name = "a"
+duration = "1 s"
+targets = { tube = { pressure = "15 kPa" } }
+"#;
+
+#[test]
+fn load_without_an_equilibrium_is_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("expanding.toml");
+    let held = |angle: &str| {
+        fs::write(&file, EXPANDING.replace("ANGLE", angle)).unwrap();
+        let output = payload(&[file.to_str().unwrap(), "--json"]);
+        let said: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let pose = said["poses"].as_array().unwrap().iter().find(|pose| pose["name"] == "a").unwrap();
+        (pose["remainder"].as_f64().unwrap(), text(&output.stderr), output.status.code())
+    };
+    let (remainder, told, _) = held("85 deg");
+    assert!(remainder <= 0.03 && !told.contains("found no equilibrium for a"), "{remainder}: {told}");
+    let (remainder, told, code) = held("89 deg");
+    assert!(remainder > 0.03 && told.contains("found no equilibrium for a"), "{remainder}: {told}");
+    assert_eq!(code, Some(3));
+}
+
 #[test]
 fn table_and_the_picture_are_for_people() {
     let folder = tempfile::tempdir().unwrap();

@@ -77,7 +77,7 @@ fn replace(place: &Place, content: &[u8]) -> io::Result<()> {
     part.persist(path).map(drop).map_err(|error| error.error)
 }
 
-/// The cause in words, with what to do where it is clear; else in those of the operating system.
+/// The cause, with a remedy where there is an obvious one.
 fn explained(doing: &str, error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
@@ -85,10 +85,10 @@ fn explained(doing: &str, error: &io::Error) -> String {
         }
         io::ErrorKind::NotFound if doing == "write" => "its folder does not exist".to_owned(),
         io::ErrorKind::NotFound => "no such file or folder".to_owned(),
-        io::ErrorKind::AlreadyExists => "a file of this name is there, and no folder".to_owned(),
-        io::ErrorKind::NotADirectory => "a part of the path is a file, and no folder".to_owned(),
-        io::ErrorKind::IsADirectory => "it is a folder, and no file".to_owned(),
-        io::ErrorKind::PermissionDenied => "no permission".to_owned(),
+        io::ErrorKind::AlreadyExists => "a file has this name".to_owned(),
+        io::ErrorKind::NotADirectory => "a part of the path is a file instead of a folder".to_owned(),
+        io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
+        io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
         io::ErrorKind::ReadOnlyFilesystem => "the disk is read-only".to_owned(),
         _ => error.to_string(),
     }

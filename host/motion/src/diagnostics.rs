@@ -29,7 +29,7 @@ use softlimb_scene::{Corrections, Goal, Phase, Scene, SceneError, Shaping, Span}
 const POINTS: usize = 3;
 /// A point that is farther away by less than this, m, is as near.
 const SAME_M: f64 = 1e-4;
-/// Upward part of the base's direction below which a limb hangs.
+/// Largest vertical component of the base direction of a hanging limb.
 const HANGS: f64 = -0.9;
 /// A pressure within this fraction of an end of its range is at that end.
 const AT_END: f64 = 1e-6;
@@ -393,7 +393,7 @@ impl Words<'_> {
         self.at(self.phase(phase).span, title, &label, Some(&self.stiffer()))
     }
 
-    /// What makes a limb carry more, beyond what it has.
+    /// Advice for a larger load capacity.
     fn stiffer(&self) -> String {
         let hangs = self.scene.limb().base_direction[2] < HANGS;
         let plain = self.scene.modules().iter().any(|module| module.actuators > 1 && module.spacers == 0);

@@ -55,15 +55,14 @@ pub fn carried(phases: &[Phase]) -> Vec<Carried> {
     phases.iter().map(of_phase).collect()
 }
 
-/// Phases that begin with another mass at the tip than the one before ends with: no gripper takes it up or puts it down, and the setpoints
-/// change with it at once.
+/// Warnings for phases whose initial payload differs from the final payload of the previous phase. Without a gripper command the setpoints jump.
 pub fn payload_warnings(phases: &[Phase]) -> Vec<String> {
     let carried = carried(phases);
     let followed = phases.iter().zip(&carried).zip(phases.iter().zip(&carried).skip(1));
     let changed = followed.filter(|((_, before), (_, after))| before.held.payload_kg != after.moved.payload_kg);
     let worded = changed.map(|((phase, before), (next, after))| {
         format!(
-            "`{}` ends with {:.2} kg at the tip and `{}` begins with {:.2} kg: the setpoints jump with the mass, since no `gripper` hands it over",
+            "`{}` ends with {:.2} kg at the tip and `{}` begins with {:.2} kg: without a `gripper` command the setpoints jump",
             *phase.name, before.held.payload_kg, *next.name, after.moved.payload_kg
         )
     });

@@ -42,7 +42,7 @@ pub(super) fn state_at(module: &LimbModule, start: &State<f64>, value: f64) -> R
         return Err(NoState::Vacuum(pressure_pa));
     }
     if pressure_pa > module.reference_max_pa * (1.0 + 1e-9) {
-        // An equilibrium at a high pressure may lie on a branch that begins elsewhere than at rest.
+        // An equilibrium at a high pressure may lie on a branch that does not start at rest.
         return Err(if is_other_way(module, value) { other_way(module) } else { NoState::OverPressure(pressure_pa) });
     }
     Ok(solution.state)
@@ -55,7 +55,7 @@ fn is_other_way(module: &LimbModule, value: f64) -> bool {
 }
 
 fn other_way(module: &LimbModule) -> NoState {
-    NoState::Invalid(format!("pressure moves `{}` the other way", module.name))
+    NoState::Invalid(format!("pressure moves `{}` away from this value", module.name))
 }
 
 /// The state of a module whose actuators have no other model than their curve.

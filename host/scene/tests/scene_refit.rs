@@ -72,7 +72,7 @@ fn another_law_takes_the_place_of_the_one_before() {
     assert_eq!(written.lines().count(), SCENE.lines().count());
 }
 
-/// A tensile test knows nothing of the winding: the thread is worth what it is in the new wall.
+/// A tensile test does not measure the winding: the sheet of a thread follows from the new material.
 #[test]
 fn sheets_of_threads_follow_another_material() {
     let text = include_str!("../../../scenes/pick-and-place-a.toml");

@@ -46,30 +46,31 @@ fn hold_that_is_too_short_for_the_gripper_is_a_warning() {
 }
 
 #[test]
-fn mass_that_no_gripper_hands_over_is_a_warning() {
+fn payload_that_changes_without_a_gripper_is_a_warning() {
     let scene = include_str!("../../../scenes/loaded/carry-hanging.toml");
     let desk = Desk::new();
     desk.put("handed.toml", scene);
     let handed = desk.softlimb("check handed.toml");
-    assert!(!handed.err.contains("hands it over"), "{}", handed.err);
+    assert!(!handed.err.contains("the setpoints jump"), "{}", handed.err);
     desk.put("thrown.toml", scene.replace("gripper = \"open\"\n", "").replace("gripper = \"close\"\n", ""));
     let thrown = desk.softlimb("check thrown.toml");
     assert_eq!(thrown.code, Some(3), "{thrown:?}");
-    let words = "`reach` ends with 0.00 kg at the tip and `pick` begins with 1.00 kg: the setpoints jump with the mass, \
-                 since no `gripper` hands it over";
+    let words = "`reach` ends with 0.00 kg at the tip and `pick` begins with 1.00 kg: without a `gripper` command \
+                 the setpoints jump";
     assert!(thrown.err.contains(words), "{}", thrown.err);
     assert!(!thrown.err.contains("`lift` ends"), "{}", thrown.err);
 }
 
-/// Threads at 60 deg shorten an actuator. Far above its pressures the balance has a state at twice the length, on a branch that rest does not reach.
+/// Threads at 60 deg shorten an actuator. The model has an equilibrium at twice the length, far above the allowed pressures, on another branch.
 #[test]
-fn target_against_the_winding_is_the_other_way() {
+fn target_that_pressure_moves_away_from_is_refused_with_the_reason() {
     let windings = "[windings.steep]\nangle = \"60 deg\"\nfamilies = 2\nradius = \"12 mm\"\nmodulus = \"200 MPa\"\n\
                     thickness = \"0.2 mm\"\n\n[limb]";
     let desk = Desk::new();
     let scene = SCENE.replace("[limb]", windings).replace("\"bending\"", "\"extension\"\nwinding = \"steep\"");
     desk.put("scene.toml", scene.replace("bend_angle = \"30 deg\"", "axial_stretch = 2.0"));
-    desk.softlimb("check scene.toml").failed(1, &["axial_stretch = 2.0", "pressure moves `finger` the other way"]);
+    desk.softlimb("check scene.toml")
+        .failed(1, &["axial_stretch = 2.0", "pressure moves `finger` away from this value"]);
 }
 
 /// The line of the scene, from 1, on which the mistake begins.

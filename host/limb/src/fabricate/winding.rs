@@ -238,7 +238,7 @@ impl Winding {
         self.say_rounded(wanted_m, self.spacing_m(), "distance of the threads");
     }
 
-    /// Families that one hand stands for: two along the axis are one of twice the threads.
+    /// Number of fiber families in one hand: both families of an axial winding have the same direction.
     fn merged(&self, parameters: &ActuatorParameters<f64>) -> u32 {
         let both = self.is_straight() && parameters.fiber.is_some_and(|fiber| fiber.families == Families::Two);
         if both { 2 } else { 1 }

@@ -1,8 +1,8 @@
 //! The largest load that bundles can hold in their shape, with the pressures for it and what limits it.
 //!
 //! The wrench is affine in the pressures to a percent or two: the program is solved with the derivatives at half of the limits, then once
-//! more with those at its own answer, and again where the model there differs more. What the model says at the last answer is compared with
-//! what the program took it for.
+//! more with those at its own answer. While the model's wrench at the answer differs from the affine one by more than [`AFFINE`], it is solved
+//! again. The remaining difference is reported.
 
 use nalgebra::Vector6;
 
@@ -13,11 +13,11 @@ use super::program::{Outcome, Program};
 const ACTIVE: f64 = 1e-6;
 /// Components below this share of the largest are rounding: a load through an axis has no moment about it.
 const ROUNDING: f64 = 1e-12;
-/// Difference of the model's wrench from the affine one, over the largest component, up to which an answer stands.
+/// Largest accepted difference of the model's wrench from the affine one, over the largest component.
 pub const AFFINE: f64 = 0.03;
-/// Most programs that are solved for one answer.
+/// Largest number of programs solved for one answer.
 const PROGRAMS: usize = 20;
-/// Programs after which the derivatives are those halfway to the answer: whole steps may go to and fro.
+/// Number of the program from which on the linearization point moves only halfway to the answer: full steps may oscillate.
 const WHOLE_STEPS: usize = 4;
 
 /// A bundle and what it has to balance, in a frame of its own.
@@ -114,7 +114,7 @@ pub fn capacity(question: &LoadQuery) -> Result<Capacity, PayloadError> {
         let solution = program.solve()?;
         iterations += solution.iterations;
         if solution.outcome != Outcome::Solved {
-            // Derivatives of an answer that does not stand may have none themselves.
+            // A program linearized at a poor answer may be infeasible: the best earlier answer is kept.
             let failed = Capacity { outcome: solution.outcome, ..nothing() };
             return Ok(Capacity { iterations, ..best.unwrap_or(failed) });
         }
@@ -141,7 +141,7 @@ pub fn capacity(question: &LoadQuery) -> Result<Capacity, PayloadError> {
 }
 
 impl Capacity {
-    /// By how much the model's wrench is off the affine one, over the largest component. Above [`AFFINE`] the answer is no equilibrium.
+    /// Difference of the model's wrench from the affine one, over the largest component. Above [`AFFINE`] the answer is not an equilibrium.
     pub fn remainder(&self) -> f64 {
         if self.largest_n > 0.0 { self.remainder_n / self.largest_n } else { 0.0 }
     }
@@ -268,7 +268,7 @@ fn judge(question: &LoadQuery, affine: &[Affine], at: &[Vec<f64>], found: &mut C
         let terms = terms.flat_map(|(column, [low, high])| (0..6).map(move |row| (row, column[row] * (high - low))));
         let span = terms.map(|(row, term)| (term / arm(question, row)).abs()).fold(0.0, f64::max);
         let off = |row: usize| ((exact[row] - taken[row]) / arm(question, row)).abs();
-        // Where nothing is to be balanced, rounding is.
+        // With no wrench to balance, the difference is rounding.
         let off = |row: usize| Some(off(row)).filter(|off| *off > ROUNDING.sqrt() * span).unwrap_or(0.0);
         let had = |row: usize| (exact[row] / arm(question, row)).abs();
         for row in (0..6).filter(|row| station.rows[*row]) {

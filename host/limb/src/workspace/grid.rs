@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashSet};
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Thickness of a cloud of tips over its length below which it is a plane: rounding in single precision is a hundredth of this.
+/// Ratio of thickness to length below which a point cloud counts as flat: a hundred times the rounding in single precision.
 const FLAT: f64 = 1e-5;
 
 /// A cube's place in the grid.
@@ -19,13 +19,13 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The grid of cubes of a side, m, > 0, through the origin of the scene, with tips that a number of pressures moves.
+    /// Grid of cubes of a side, m, > 0, aligned with the origin of the scene. `pressures` is the number of independent pressures of the limb.
     pub fn new<T: Copy + Into<f64>>(tips_m: &[[T; 3]], side_m: f64, pressures: usize) -> Self {
         let cubes = tips_m.iter().map(|tip| tip.map(|x| (x.into() / side_m).floor() as i32)).collect();
         Self { side_m, cubes, is_solid: pressures >= 3 && !is_flat(tips_m) }
     }
 
-    /// Whether the tips fill a volume: fewer than three pressures move them on a curve or a surface, and bends in one plane stay in it.
+    /// Whether the tips fill a volume: with fewer than three pressures, or with planar bending, they do not.
     pub fn is_solid(&self) -> bool {
         self.is_solid
     }

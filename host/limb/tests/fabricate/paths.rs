@@ -94,7 +94,7 @@ fn threads_along_the_axis_are_straight_lines() {
     }
 }
 
-/// The model has a sheet for each family: along the axis both lie in one direction.
+/// The model has one sheet per family. In an axial winding both have the same direction.
 #[test]
 fn two_families_of_threads_along_the_axis_are_twice_the_threads_of_one() {
     let threads = |families: u8| {

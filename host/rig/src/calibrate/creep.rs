@@ -11,9 +11,9 @@ use super::{CalibrationError, Settings};
 
 const NAMES: [&str; 3] = ["immediate", "creep_share", "creep_time_s"];
 
-/// Most points of which each is left out in turn, to find the one that is off.
+/// Largest number of points for which each is left out in turn to find an outlier.
 const FEW: usize = 50;
-/// Distance from what the others tell, in units of the accuracy, from which a point is off.
+/// Distance of an outlier from the fit to the other points, in units of the accuracy.
 const FAR_OFF: f64 = 10.0;
 
 /// A series of deformations after the pressure was raised at time 0 and held.
@@ -49,7 +49,7 @@ pub fn fit_creep(step: &Step, settings: &Settings) -> Result<CreepFit, Calibrati
     })
 }
 
-/// The refusal of a point without which the others tell everything, and of which they are far off.
+/// Error that names an outlier: a point far from an accepted fit to the others.
 fn the_one_off(step: &Step, settings: &Settings) -> Option<CalibrationError> {
     let without = |point: usize| {
         let mut others = step.clone();
@@ -95,7 +95,7 @@ fn fit_all(step: &Step, settings: &Settings) -> Result<CreepFit, CalibrationErro
     let [least, most] = [1e-3 * shortest, 1e3 * last[0]];
     let at = |place: &DVector<f64>| {
         let [a, share, time] = [place[0] * size, place[1], place[2].exp()];
-        // No point tells the creep of such a time from a step or a drift.
+        // The points cannot distinguish creep with such a time constant from a step or a drift.
         if !(least..=most).contains(&time) {
             return Err(CalibrationError::NotSettled { steps: 0 });
         }

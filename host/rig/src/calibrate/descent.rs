@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
 const STEPS: usize = 100;
-/// Iterations of a singular value decomposition: a few for each value are usual.
+/// Largest number of iterations of a singular value decomposition, which usually takes a few per value.
 const SVD_STEPS: usize = 10_000;
 const LEAST_DAMPING: f64 = 1e-14;
 const MOST_DAMPING: f64 = 1e12;
@@ -76,7 +76,7 @@ fn damped_step(local: &Local, damping: f64) -> DVector<f64> {
     svd(system).and_then(|svd| svd.solve(&right, 0.0).ok()).unwrap_or_else(|| DVector::zeros(columns))
 }
 
-/// Singular values and both sides of vectors; `None` where they do not settle, as with columns that differ by more than the range of a number.
+/// Singular value decomposition with both sets of vectors; `None` if it does not converge, as for columns that underflow.
 pub(super) fn svd(matrix: DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
     SVD::try_new(matrix, true, true, 5.0 * f64::EPSILON, SVD_STEPS)
 }

@@ -43,7 +43,7 @@ pub enum CalibrationError {
         names: Vec<String>,
         /// Largest residual of the best fit, in units of the accuracy.
         off: f64,
-        /// The point that it is of, in the order in which they were given.
+        /// Index of its point in the data.
         point: usize,
     },
     /// The measured deformations go the other way than those of the model.

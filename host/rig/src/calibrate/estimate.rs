@@ -8,7 +8,7 @@ use softlimb_numerics::statistics::student_quantile;
 
 /// Columns of the Jacobian whose condition exceeds this are the same column, whatever the accuracy of the data.
 const MOST_CONDITION: f64 = 1e8;
-/// A point with less than this left of its own value has told it alone.
+/// Smallest difference of a leverage from 1: above it a point alone determines an unknown, and has no residual.
 pub(super) const ALONE: f64 = 1e-6;
 /// A confused direction has these shares of its largest component.
 const NAMED: f64 = 0.1;
@@ -137,10 +137,10 @@ pub(super) fn judge(
     let widest = (0..unknowns).map(|k| factor * variance(k).sqrt()).fold(0.0, f64::max);
     let told = |spread: f64| spread.max(1.0) * widest <= 1.0 && condition <= MOST_CONDITION;
     if !told(spread) {
-        // The points would tell the unknowns, if they lay on the model.
+        // With smaller residuals the points would determine the unknowns.
         if told(1.0) {
             let names = columns.iter().map(|column| column.name.clone()).collect();
-            // What the others tell of a point: it pulls the fit towards itself.
+            // Distance from the fit to the other points: a point pulls the fit towards itself.
             let off = |k: usize| (residuals[k] / (1.0 - leverage[k]).max(ALONE)).abs();
             let point = (0..points).max_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(0);
             return Err(CalibrationError::NotReproduced { names, off: residuals[point].abs(), point });

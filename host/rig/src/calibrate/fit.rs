@@ -119,7 +119,7 @@ pub struct Fit {
     pub after: Vec<f64>,
     /// Half width of the confidence interval of that.
     pub half_widths: Vec<f64>,
-    /// Share of each observation in its own fitted value, 0 to 1.
+    /// Leverage of each observation, 0 to 1.
     pub leverage: Vec<f64>,
     /// Root mean square of the residuals in units of the stated accuracies; 1 where these are right.
     pub scatter: f64,
@@ -286,7 +286,7 @@ pub(super) fn fit_model(
     })
 }
 
-/// The refusal of data with which unknowns run away; `None` where none does.
+/// Error for unknowns that end far from their starts; `None` if there are none.
 fn run_away(columns: &[Column], starts: &[f64], residuals: &DVector<f64>) -> Option<CalibrationError> {
     let is_away = |(column, start): &(&Column, &f64)| {
         let ratio = column.value / **start;

@@ -14,14 +14,14 @@ const FALSE_ALARM: f64 = 0.01;
 /// Fewer points less unknowns do not show the scatter of the others.
 const FREEDOM_LEAST: usize = 3;
 
-/// An observation that does not fit the others.
+/// An outlier among the observations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlier {
-    /// Its index.
+    /// Index of the observation.
     pub index: usize,
-    /// Its distance from the model that the others tell, in its SI unit.
+    /// Distance from the fit to the other observations, in its SI unit.
     pub off: f64,
-    /// Its residual over what the scatter of the others makes likely: Student's statistic.
+    /// Externally studentized residual.
     pub ratio: f64,
 }
 
@@ -48,8 +48,8 @@ impl Fit {
         found
     }
 
-    /// The observations that do not fit: farther from the model that the others tell than their accuracy, and than Student's distribution allows
-    /// beside the scatter of the others.
+    /// Outliers: observations farther from the fit to the others than their accuracy, with a studentized residual above the quantile of Student's
+    /// distribution.
     pub fn outliers(&self, observations: &[Observation]) -> Vec<Outlier> {
         let count = observations.len() as f64;
         if self.freedom < FREEDOM_LEAST {
@@ -59,7 +59,7 @@ impl Fit {
         let all = self.freedom as f64 * self.scatter.powi(2);
         let ratio = |(k, seen): (usize, &Observation)| {
             let residual = ((self.after[k] - seen.value) / seen.accuracy).abs();
-            // An observation pulls the model towards itself by its leverage: without it the model is as much farther off.
+            // An observation pulls the fit towards itself: the fit without it is farther away.
             let left = Some(1.0 - self.leverage[k]).filter(|left| *left > ALONE)?;
             let off = residual / left;
             // The scatter of all would hide one that is far off: of few points it is never beyond four times of that.

@@ -19,8 +19,8 @@ use softlimb_scene::collision::Body;
 /// Change of a pressure for a derivative, as a share of its range.
 const STEP: f64 = 1e-3;
 
-/// Least motion of the estimate in a direction that is corrected, as a share of that in the best direction. Along a limb that is nearly straight
-/// orientations show hardly any motion, and modules that bend against each other would be driven to their ends for it.
+/// Smallest motion of the estimate in a corrected direction, over that in the best direction. Along a nearly straight limb the orientations hardly
+/// change with the tip: a correction there would drive modules against each other, to the ends of their ranges.
 const SHOWN: f64 = 0.1;
 
 /// Pressures of the channels, Pa, and mass at the tip, kg.
@@ -39,7 +39,7 @@ struct PlannedModule {
     orientation: UnitQuaternion<f64>,
 }
 
-/// The tip of a planned limb by orientations. It knows scene and plan alone.
+/// Estimator of the tip from orientations. Its inputs are scene, limb and plan.
 pub(super) struct TipEstimate<'a> {
     scene: &'a Scene,
     limb: &'a Limb,

@@ -56,7 +56,7 @@ pub fn rewritten(scene: &Scene, wanted: &[WoundActuator]) -> Result<(String, Vec
     Ok((text, pen.log))
 }
 
-/// The scene's text with other materials, one for each module, as [`rewritten`] but that the sheets of threads follow.
+/// The scene's text with other materials, one for each module. Unlike in [`rewritten`], the sheets of threads are computed anew from them.
 ///
 /// # Errors
 /// [`RewriteError`].

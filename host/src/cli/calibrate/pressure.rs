@@ -223,7 +223,7 @@ impl Unknowns {
             let shown = |value: f64| format!("{:.4} {}", value * quantity.display_scale(), quantity.display_unit());
             let [value, off] = [value, off].map(|value| shown(value).trim_end().to_owned());
             format!(
-                "{from} does not fit: {value} is {off} off the model that the others tell, {ratio:.1} times what their scatter allows for"
+                "{from} is an outlier: {value} is {off} from the fit to the other rows (studentized residual {ratio:.1})"
             )
         }));
         warnings.extend(fit.estimates.iter().filter_map(far_from_start));

@@ -92,7 +92,7 @@ impl CapacityMode {
         let mut outcome = Outcome::Done;
         for pose in report.poses.iter().filter(|pose| pose.off() > AFFINE) {
             note(&format!(
-                "warning: `held` has no equilibrium of {}: the forces there are {:.0} % off those that its load is for",
+                "warning: `held` found no equilibrium for {}: the linearized forces are {:.0} % off the model's",
                 pose.name,
                 100.0 * pose.off()
             ));

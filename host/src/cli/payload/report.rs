@@ -254,7 +254,10 @@ impl Pose {
                 )
             }
             Ended::Unbounded => {
-                format!("{}  no pressure acts on this load: the walls carry it, unjudged", begin("-", "-"))
+                format!(
+                    "{}  no pressure acts on this load; `held` does not judge the walls that carry it",
+                    begin("-", "-")
+                )
             }
         }
     }
